@@ -1,0 +1,35 @@
+# A folder is a library: sobox_library(NAME LINKS ...) builds every source of the folder it stands
+# in, and LINKS is the complete list of what that folder may know.
+function(sobox_library name)
+  cmake_parse_arguments(arg "" "" "LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.c)
+  add_library(sobox_${name} STATIC ${sources})
+  target_link_libraries(sobox_${name} PUBLIC ${arg_LINKS} PRIVATE sobox_options)
+endfunction()
+
+# A program: sobox_program(sobox-worker main.c LINKS ...). All programs land in build/bin.
+function(sobox_program name source)
+  cmake_parse_arguments(arg "" "" "LINKS" ${ARGN})
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE ${arg_LINKS} sobox_options)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+  install(TARGETS ${name} RUNTIME)
+endfunction()
+
+# One test program for each *_test.c of tests/unit/FOLDER, linked with the library it mirrors:
+# sobox_unit_tests(common/numeric LINKS sobox_numeric) gives the tests common/numeric/box, ...
+function(sobox_unit_tests folder)
+  cmake_parse_arguments(arg "" "" "LINKS;LABELS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*_test.c)
+  foreach(source IN LISTS sources)
+    get_filename_component(module ${source} NAME_WE)
+    string(REGEX REPLACE "_test$" "" module ${module})
+    string(REPLACE "/" "_" target "test_${folder}_${module}")
+    add_executable(${target} ${source})
+    target_link_libraries(${target} PRIVATE ${arg_LINKS} PkgConfig::CMOCKA sobox_options)
+    target_compile_definitions(${target} PRIVATE
+      SOBOX_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SOBOX_BINARY_DIR="${CMAKE_BINARY_DIR}")
+    add_test(NAME ${folder}/${module} COMMAND ${target})
+    set_tests_properties(${folder}/${module} PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
+  endforeach()
+endfunction()

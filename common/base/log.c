@@ -1,0 +1,94 @@
+#include "common/base/log.h"
+
+#include "common/base/clock.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <unistd.h>
+
+static const char *log_program = "sobox";
+static enum log_level log_level_shown = LOG_NORMAL;
+static char log_progress_text[512]; // the line that stands at the bottom of the terminal, or ""
+
+void log_start(const char *program, enum log_level level)
+{
+    log_program = program;
+    log_level_shown = level;
+}
+
+static bool terminal(void)
+{
+    return isatty(STDERR_FILENO) == 1;
+}
+
+// Prints one line, lifting the progress line out of its way and putting it back below.
+static void line(const char *label, const char *format, va_list arguments)
+{
+    if (log_progress_text[0] != '\0')
+        fputs("\r\033[K", stderr);
+    fprintf(stderr, "%s: %s", log_program, label);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    if (log_progress_text[0] != '\0')
+        fputs(log_progress_text, stderr);
+    fflush(stderr);
+}
+
+#define LOG_LINE(label)                                                                            \
+    va_list arguments;                                                                             \
+    va_start(arguments, format);                                                                   \
+    line(label, format, arguments);                                                                \
+    va_end(arguments)
+
+void log_error(const char *format, ...)
+{
+    LOG_LINE("error: ");
+}
+
+void log_note(const char *format, ...)
+{
+    if (log_level_shown < LOG_NORMAL)
+        return;
+    LOG_LINE("");
+}
+
+void log_debug(const char *format, ...)
+{
+    if (log_level_shown < LOG_DEBUG)
+        return;
+    LOG_LINE("debug: ");
+}
+
+void log_progress(const char *format, ...)
+{
+    if (log_level_shown < LOG_NORMAL)
+        return;
+    char text[sizeof log_progress_text];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (terminal()) {
+        snprintf(log_progress_text, sizeof log_progress_text, "%s", text);
+        fprintf(stderr, "\r\033[K%s", text);
+    } else {
+        fprintf(stderr, "%s\n", text);
+    }
+    fflush(stderr);
+}
+
+void log_progress_end(void)
+{
+    if (log_progress_text[0] == '\0')
+        return;
+    log_progress_text[0] = '\0';
+    fputc('\n', stderr);
+}
+
+long long log_progress_interval_ns(void)
+{
+    if (log_level_shown < LOG_NORMAL)
+        return INT64_MAX;
+    return terminal() ? CLOCK_SECOND_NS / 10 : 2 * CLOCK_SECOND_NS;
+}

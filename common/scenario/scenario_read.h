@@ -1,0 +1,23 @@
+// From YAML to a checked struct scenario. Nothing is guessed: an unknown key, a wrong type, a value
+// out of range is an error that names file, line, column, path, and what would be right.
+#ifndef SOBOX_COMMON_SCENARIO_SCENARIO_READ_H
+#define SOBOX_COMMON_SCENARIO_SCENARIO_READ_H
+
+#include "common/base/error.h"
+#include "common/scenario/scenario.h"
+
+// Reads a scenario file. `overrides` (override_count) are "key.path=value" as given to --set: a path
+// of keys and list indexes ("springs.0.length=1.3"), and a YAML value; they may add optional keys.
+// On success the scenario is filled and the caller releases it; else it is left zeroed.
+// Errors: STATUS_IO (cannot be read), STATUS_INVALID (all else).
+enum status scenario_read_file(struct scenario *scenario, const char *path,
+                               const char *const *overrides, size_t override_count,
+                               struct error *error) MUST_USE;
+
+// The same from memory; `source` stands for the file in messages. The text is as untrusted as any
+// file: it may come from the network.
+enum status scenario_read_text(struct scenario *scenario, const char *source, const char *text,
+                               size_t text_size, const char *const *overrides,
+                               size_t override_count, struct error *error) MUST_USE;
+
+#endif

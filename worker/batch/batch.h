@@ -1,0 +1,28 @@
+// The unit of work: samples first .. first + count - 1 of one step of one search. Evaluating a
+// batch is a pure function of scenario, box and these numbers: any worker, any thread count, the
+// same bits.
+#ifndef SOBOX_WORKER_BATCH_BATCH_H
+#define SOBOX_WORKER_BATCH_BATCH_H
+
+#include "common/numeric/verdict.h"
+#include "worker/models/model.h"
+#include "worker/sampling/sampling.h"
+
+struct batch {
+    struct sampling sampling;
+    uint32_t first;
+    uint32_t count;
+};
+
+// Samples the box, runs the model and holds the outcomes against the scenario's constraints, on
+// `threads` OpenMP threads. `model` was made from `scenario`. Fills `verdicts` (batch->count).
+// Returns how many samples had a non-finite outcome.
+uint32_t batch_evaluate(const struct scenario *scenario, const struct model *model,
+                        const struct box *box, const struct batch *batch, int threads,
+                        struct verdict *verdicts);
+
+// The verdict on one design from its outcomes (outcomes[outcome * stride]).
+struct verdict batch_verdict(const struct scenario *scenario, const double *outcomes,
+                             size_t stride);
+
+#endif

@@ -1,0 +1,27 @@
+// The samples of a step, drawn from a box. Sample i of a step is a function of (seed, search, step,
+// i, variable) alone, so that any worker makes any part of a step and the coordinator makes it
+// again when it trims.
+#ifndef SOBOX_WORKER_SAMPLING_SAMPLING_H
+#define SOBOX_WORKER_SAMPLING_SAMPLING_H
+
+#include "common/numeric/box.h"
+#include "common/scenario/scenario.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct sampling {
+    uint64_t seed;
+    uint32_t search;  // index of the search in its run
+    uint32_t step;    // of the search, over all phases
+    uint32_t samples; // of the whole step: a Latin hypercube has that many strata
+    enum scenario_sampling method;
+};
+
+// Fills in samples first .. first + count - 1: values[variable * stride + i] belongs to sample
+// first + i. lower <= value <= upper always; a fixed variable has its lower bound exactly.
+// stride >= count.
+void sampling_fill(const struct sampling *sampling, const struct box *box, uint32_t first,
+                   uint32_t count, double *values, size_t stride);
+
+#endif
