@@ -1,0 +1,125 @@
+// The run's truth: run.db, an SQLite database in the run folder, written before anything is acted
+// on. It holds the scenario as it was read, one row a search and one row a finished step with the
+// step's verdicts, so that a killed run is resumed by replaying them; it survives kill -9 and a full
+// disk, and can be read while the run goes on.
+//
+//   meta    schema version
+//   run     one row: name, program version, state, times, command line
+//   search  index, name of its case, scenario text and digest, seed, state and result
+//   step    (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts
+#ifndef SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
+#define SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
+
+#include "common/base/error.h"
+#include "common/numeric/box.h"
+#include "common/numeric/digest.h"
+#include "common/numeric/verdict.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { JOURNAL_SCHEMA = 1 };
+
+enum journal_state {
+    JOURNAL_STATE_RUNNING,
+    JOURNAL_STATE_DONE,
+    JOURNAL_STATE_INTERRUPTED, // ended by the user; can be resumed
+    JOURNAL_STATE_FAILED,
+};
+
+enum journal_mode {
+    JOURNAL_READ,   // any number of readers, also beside a running coordinator
+    JOURNAL_RESUME, // the one writer
+};
+
+struct journal_run {
+    char name[64];
+    char version[32];       // of sobox
+    enum journal_state state;
+    uint64_t id;            // the run's random number on the network
+    uint32_t search_count;
+    int64_t started_ns;     // calendar
+    int64_t elapsed_ns;     // running time over all its sessions
+};
+
+// One search. On writing, text is borrowed; on reading it is owned by the struct.
+struct journal_search {
+    uint32_t index;
+    char *text;           // canonical YAML of its scenario
+    size_t text_size;
+    struct digest scenario;
+    uint64_t seed;
+    // The result: meaningful once `finished`.
+    bool finished;
+    char status[32];      // search_status_name()
+    struct box box;       // owned; count 0 until finished
+    double log_volume;
+    uint64_t purity_samples, purity_bad;
+    double purity_estimate, purity_lower95;
+    uint64_t evaluations, non_finite;
+    uint32_t steps;
+    char blocking_constraint[96]; // "" unless no good design was found
+    int64_t wall_ns;
+    struct digest digest;
+};
+
+struct journal_step {
+    uint32_t search;
+    uint32_t step;
+    char phase[16];       // search_phase_name()
+    uint32_t samples;
+    uint32_t good;
+    double growth;
+    double log_volume;
+    const struct box *box;           // that was sampled; borrowed
+    enum verdict_detail detail;
+    const struct verdict *verdicts;  // (samples) borrowed
+};
+
+struct journal;
+
+// Creates run.db in the existing folder `directory` with the run and its searches in one
+// transaction. Errors: STATUS_IO (folder not writable, file exists, disk full).
+enum status journal_create(struct journal **journal, const char *directory,
+                           const struct journal_run *run, const struct journal_search *searches,
+                           struct error *error) MUST_USE;
+
+// Opens the run.db of a run folder. JOURNAL_RESUME takes the folder for this process alone.
+// Errors: STATUS_IO (none there, not a database, disk), STATUS_REFUSED (another schema version;
+// another coordinator is writing it).
+enum status journal_open(struct journal **journal, const char *directory, enum journal_mode mode,
+                         struct error *error) MUST_USE;
+
+// Closes it. NULL is fine.
+void journal_close(struct journal *journal);
+
+// Writes a finished step. When it returns STATUS_OK the step survives kill -9 of this process.
+enum status journal_append(struct journal *journal, const struct journal_step *step,
+                           struct error *error) MUST_USE;
+
+// Writes the result of a search (everything but text, scenario and seed).
+enum status journal_finish_search(struct journal *journal, const struct journal_search *search,
+                                  struct error *error) MUST_USE;
+
+// Writes how the run stands.
+enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,
+                          struct error *error) MUST_USE;
+
+// Readers. journal_read_search() fills a struct to be released with journal_search_fini().
+enum status journal_read_run(struct journal *journal, struct journal_run *run,
+                             struct error *error) MUST_USE;
+enum status journal_read_search(struct journal *journal, uint32_t index,
+                                struct journal_search *search, struct error *error) MUST_USE;
+void journal_search_fini(struct journal_search *search);
+
+// Calls `visit` for each finished step of a search in order; what the step points to is borrowed
+// until it returns. Another status than STATUS_OK from `visit` ends the reading and is returned.
+typedef enum status journal_visitor(void *user, const struct journal_step *step,
+                                    struct error *error);
+enum status journal_read_steps(struct journal *journal, uint32_t search, journal_visitor *visit,
+                               void *user, struct error *error) MUST_USE;
+
+const char *journal_state_name(enum journal_state state);
+
+#endif

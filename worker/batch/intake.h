@@ -1,0 +1,87 @@
+// The worker's side of the protocol as a pure step machine: batches that arrive for it, the scenario
+// texts and boxes they need, what to evaluate next. It knows no clock, network or thread: the
+// runtime tells it what arrived and when, and carries out what it answers.
+//
+//   batch heard -> known scenario and box?  yes -> queued -> taken -> outcome sent
+//                                           no  -> text requested -> text complete -> queued
+//
+// The queue is bounded: a batch that finds it full is dropped, and its lease lapses. So is the
+// number of texts kept: the one unused for longest goes first.
+#ifndef SOBOX_WORKER_BATCH_INTAKE_H
+#define SOBOX_WORKER_BATCH_INTAKE_H
+
+#include "common/numeric/digest.h"
+#include "worker/batch/batch.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct intake;
+
+enum {
+    INTAKE_QUEUE_MAX = 1024,      // batches waiting; thousands would only grow stale
+    INTAKE_SCENARIO_MAX = 64,     // prepared scenarios kept
+    INTAKE_BOX_MAX = 1024,        // boxes kept that came by request
+};
+
+// A batch as it came over the wire, already checked field by field.
+struct intake_batch {
+    uint64_t run;
+    uint64_t coordinator; // sender to answer
+    struct digest scenario;
+    struct digest box;
+    struct batch batch;
+    uint32_t batch_index;
+    uint32_t attempt;
+    enum verdict_detail detail;
+    const double *bounds; // (bound_count) lower then upper; borrowed
+    uint32_t bound_count; // 0: the box comes by request
+};
+
+// A batch ready to be evaluated. Pointers are borrowed until intake_done().
+struct intake_work {
+    struct intake_batch identity; // bounds NULL
+    const struct scenario *scenario;
+    const struct model *model;
+    const struct box *box;
+};
+
+// A request for a text, to be published now.
+struct intake_request {
+    uint64_t run;
+    struct digest digest;
+    uint32_t offset; // first byte missing
+};
+
+struct intake *intake_create(void);
+void intake_free(struct intake *intake);
+
+// Takes a batch in. A batch (run, search, step, batch) that waits already is not queued twice.
+// Returns false when it was dropped because the queue is full.
+bool intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns);
+
+// Takes a piece of a text in: 0 <= offset, offset + size <= total. Pieces nobody waits for are
+// ignored. A text whose digest is not the one promised, or a scenario that cannot be read, drops the
+// batches that wait for it; the reason goes to `error` (STATUS_OK when all is well).
+struct error;
+void intake_text(struct intake *intake, const struct digest *digest, uint32_t total_size,
+                 uint32_t offset, const uint8_t *piece, uint32_t size, struct error *error);
+
+// Fills in the next text to ask for, and marks it asked at `now_ns`; the same text is asked for
+// again after 50 ms, later at growing intervals. False when there is none to ask for now.
+bool intake_request(struct intake *intake, int64_t now_ns, struct intake_request *request);
+
+// When intake_request() may next have something; INT64_MAX when no text is missing.
+int64_t intake_wake_ns(const struct intake *intake);
+
+// Takes the next batch that is ready, oldest first; false when none is. Several may be taken.
+bool intake_take(struct intake *intake, struct intake_work *work);
+
+// The batch has been evaluated: its scenario and box may go when they are no longer needed.
+void intake_done(struct intake *intake, const struct intake_work *work);
+
+// Batches waiting or taken.
+uint32_t intake_queue(const struct intake *intake);
+
+#endif

@@ -1,0 +1,42 @@
+// A worker: hears batches on a wire, evaluates them on all its cores, answers with verdicts. It runs
+// on the caller's GLib main context, as a program of its own (sobox-worker) or inside a coordinator
+// (memq://). The message thread only moves messages; one computing thread evaluates batches with
+// OpenMP at a lower priority, so that a busy worker still answers at once.
+#ifndef SOBOX_WORKER_RUNTIME_WORKER_H
+#define SOBOX_WORKER_RUNTIME_WORKER_H
+
+#include "common/base/error.h"
+#include "common/wire/wire.h"
+
+#include <stdint.h>
+
+struct worker_settings {
+    int threads;       // OpenMP threads; 0: as many as this process may use
+    int priority;      // nice value added for the computing threads, 0..19
+    bool reopen;       // open the wire anew when it has been deaf for long (not over memq://)
+};
+
+struct worker_counters {
+    uint64_t batches;
+    uint64_t samples;
+    int64_t busy_ns;
+    uint32_t queue;
+    uint32_t coordinators; // heard within the last seconds
+};
+
+struct worker;
+
+struct worker_settings worker_settings_default(void);
+
+// Starts a worker on `wire`, which outlives it: subscribes, starts the computing thread, announces
+// itself once a second. `sender` is the number the wire was opened with.
+// Errors: STATUS_NETWORK (subscription failed), STATUS_FAILED (no thread).
+enum status worker_start(struct worker **worker, struct wire *wire, uint64_t sender,
+                         const struct worker_settings *settings, struct error *error) MUST_USE;
+
+// Finishes the batch in work, says that it leaves, and releases everything. NULL is fine.
+void worker_stop(struct worker *worker);
+
+void worker_counters(const struct worker *worker, struct worker_counters *counters);
+
+#endif
