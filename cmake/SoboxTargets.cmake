@@ -18,6 +18,7 @@ endfunction()
 
 # One test program for each *_test.c of tests/unit/FOLDER, linked with the library it mirrors:
 # sobox_unit_tests(common/numeric LINKS sobox_numeric) gives the tests common/numeric/box, ...
+# A *_net_test.c opens sockets: it runs in a network of its own, made by tests/netns.
 function(sobox_unit_tests folder)
   cmake_parse_arguments(arg "" "" "LINKS;LABELS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*_test.c)
@@ -29,7 +30,11 @@ function(sobox_unit_tests folder)
     target_link_libraries(${target} PRIVATE ${arg_LINKS} PkgConfig::CMOCKA sobox_options)
     target_compile_definitions(${target} PRIVATE
       SOBOX_SOURCE_DIR="${CMAKE_SOURCE_DIR}" SOBOX_BINARY_DIR="${CMAKE_BINARY_DIR}")
-    add_test(NAME ${folder}/${module} COMMAND ${target})
+    set(wrapper)
+    if(module MATCHES "_net$")
+      set(wrapper ${CMAKE_SOURCE_DIR}/tests/netns)
+    endif()
+    add_test(NAME ${folder}/${module} COMMAND ${wrapper} $<TARGET_FILE:${target}>)
     set_tests_properties(${folder}/${module} PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
   endforeach()
 endfunction()
