@@ -24,14 +24,14 @@ struct verdict {
 
 // How much of each verdict travels.
 enum verdict_detail {
-    VERDICT_DETAIL_FULL,   // good or bad, constraint and violation: for trimming
-    VERDICT_DETAIL_SHARE,  // good or bad only: for certificates; bad ones unpack as constraint 0,
-                           // violation 1
+    VERDICT_DETAIL_FULL,  // good or bad, constraint and violation: for trimming
+    VERDICT_DETAIL_SHARE, // good or bad only: for certificates; bad ones unpack as constraint 0,
+                          // violation 1
     VERDICT_DETAIL_COUNT
 };
 
-// Puts a relative violation on the scale. Not above 0: VERDICT_GOOD. Above 0: at least 1. NaN or
-// infinite: VERDICT_NON_FINITE.
+// Puts a relative violation on the scale. Not above 0 (a bound that is not there gives -infinity):
+// VERDICT_GOOD. Above 0: at least 1. NaN or +infinity: VERDICT_NON_FINITE.
 uint16_t verdict_violation(double relative);
 
 // The relative violation in the middle of the step of the scale that `violation` names; 0 for
