@@ -15,13 +15,17 @@ struct batch {
 };
 
 // Samples the box, runs the model and holds the outcomes against the scenario's constraints, on
-// `threads` OpenMP threads. `model` was made from `scenario`. Fills `verdicts` (batch->count).
+// `threads` (1 ..) OpenMP threads. `model` was made from `scenario`, `box` has its variables,
+// batch->count > 0. Fills `verdicts` (batch->count).
 // Returns how many samples had a non-finite outcome.
 uint32_t batch_evaluate(const struct scenario *scenario, const struct model *model,
                         const struct box *box, const struct batch *batch, int threads,
                         struct verdict *verdicts);
 
-// The verdict on one design from its outcomes (outcomes[outcome * stride]).
+// The verdict on one design from its outcomes (outcomes[outcome * stride], all that the scenario's
+// model has): good, or the constraint it violates most, the first of equals. A design with any
+// non-finite outcome is VERDICT_NON_FINITE, held against the first constraint that such an outcome
+// concerns, else against constraint 0.
 struct verdict batch_verdict(const struct scenario *scenario, const double *outcomes,
                              size_t stride);
 

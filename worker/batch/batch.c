@@ -1,0 +1,123 @@
+#include "worker/batch/batch.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+// One thread's room for a block: values, then outcomes, each a row of MODEL_BLOCK lanes.
+struct scratch {
+    double *values;   // (variables x MODEL_BLOCK)
+    double *outcomes; // (outcomes x MODEL_BLOCK)
+};
+
+enum { SCRATCH_ALIGNMENT = 64 }; // [bytes] a cache line, and a whole vector of AVX-512
+
+static void scratch_init(struct scratch *scratch, const struct model *model)
+{
+    size_t values = (size_t)model_variable_count(model) * MODEL_BLOCK;
+    size_t outcomes = (size_t)model_outcome_count(model) * MODEL_BLOCK;
+    scratch->values =
+        aligned_alloc(SCRATCH_ALIGNMENT, (values + outcomes) * sizeof *scratch->values);
+    if (scratch->values == NULL)
+        abort();
+    scratch->outcomes = scratch->values + values;
+}
+
+static void scratch_fini(struct scratch *scratch)
+{
+    free(scratch->values);
+}
+
+// How far a value lies outside the constraint, in the constraint's own scale; not above 0 inside.
+static double constraint_relative(const struct scenario_constraint *constraint, double value)
+{
+    if (value >= constraint->min && value <= constraint->max)
+        return 0; // most values are: no division for them
+    double below = (constraint->min - value) / constraint->scale;
+    double above = (value - constraint->max) / constraint->scale;
+    return below > above ? below : above;
+}
+
+// A design whose simulation broke down in any outcome is not to be trusted in the others.
+static bool outcomes_finite(const double *outcomes, uint32_t count, size_t stride)
+{
+    double nothing = 0; // x - x is 0 for every finite x, else NaN
+    for (uint32_t i = 0; i < count; i++)
+        nothing += outcomes[i * stride] - outcomes[i * stride];
+    return nothing == 0;
+}
+
+// The constraint whose own outcome is not finite, or the first one where none's is.
+static uint8_t constraint_broken(const struct scenario *scenario, const double *outcomes,
+                                 size_t stride)
+{
+    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
+        if (!isfinite(outcomes[scenario->constraints[i].outcome * stride]))
+            return (uint8_t)i;
+    }
+    return 0;
+}
+
+struct verdict batch_verdict(const struct scenario *scenario, const double *outcomes, size_t stride)
+{
+    if (!outcomes_finite(outcomes, scenario_outcome_count(scenario), stride))
+        return (struct verdict){
+            .violation = VERDICT_NON_FINITE,
+            .constraint = constraint_broken(scenario, outcomes, stride),
+        };
+    struct verdict worst = {.violation = VERDICT_GOOD};
+    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
+        const struct scenario_constraint *constraint = &scenario->constraints[i];
+        double relative = constraint_relative(constraint, outcomes[constraint->outcome * stride]);
+        uint16_t violation = verdict_violation(relative);
+        if (violation > worst.violation)
+            worst = (struct verdict){.violation = violation, .constraint = (uint8_t)i};
+    }
+    return worst;
+}
+
+// Samples first .. first + count - 1 of the step; returns how many had a non-finite outcome.
+static uint32_t evaluate_block(const struct scenario *scenario, const struct model *model,
+                               const struct box *box, const struct sampling *sampling,
+                               uint32_t first, uint32_t count, const struct scratch *scratch,
+                               struct verdict *verdicts)
+{
+    sampling_fill(sampling, box, first, count, scratch->values, MODEL_BLOCK);
+    model_evaluate(model, count, scratch->values, scratch->outcomes);
+    uint32_t non_finite = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        verdicts[i] = batch_verdict(scenario, scratch->outcomes + i, MODEL_BLOCK);
+        non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
+    }
+    return non_finite;
+}
+
+uint32_t batch_evaluate(const struct scenario *scenario, const struct model *model,
+                        const struct box *box, const struct batch *batch, int threads,
+                        struct verdict *verdicts)
+{
+    assert(batch->count > 0);
+    assert(threads > 0);
+    assert(box->count == model_variable_count(model));
+    const uint32_t blocks = (batch->count - 1) / MODEL_BLOCK + 1;
+    uint32_t non_finite = 0;
+
+    // The team always has `threads` threads or is not called at all: libgomp ends threads that a
+    // smaller team leaves over and starts them again for the next, which costs more than a block.
+#pragma omp parallel num_threads(threads) if (threads > 1 && blocks > 1)
+    {
+        struct scratch scratch;
+        scratch_init(&scratch, model);
+#pragma omp for schedule(dynamic, 1) reduction(+ : non_finite)
+        for (uint32_t block = 0; block < blocks; block++) {
+            uint32_t done = block * MODEL_BLOCK;
+            uint32_t left = batch->count - done;
+            non_finite +=
+                evaluate_block(scenario, model, box, &batch->sampling, batch->first + done,
+                               left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch, verdicts + done);
+        }
+        scratch_fini(&scratch);
+    }
+    return non_finite;
+}
