@@ -35,15 +35,25 @@ static void line(const char *label, const char *format, va_list arguments)
     fflush(stderr);
 }
 
-#define LOG_LINE(label)                                                                            \
-    va_list arguments;                                                                             \
-    va_start(arguments, format);                                                                   \
-    line(label, format, arguments);                                                                \
+#define LOG_LINE(label)             \
+    va_list arguments;              \
+    va_start(arguments, format);    \
+    line(label, format, arguments); \
     va_end(arguments)
 
 void log_error(const char *format, ...)
 {
     LOG_LINE("error: ");
+}
+
+void log_failure(const struct error *error)
+{
+    if (error->status != STATUS_INVALID) {
+        log_error("%s", error->text);
+        return;
+    }
+    log_progress_end();
+    fprintf(stderr, "%s\n", error->text);
 }
 
 void log_note(const char *format, ...)

@@ -4,7 +4,7 @@
 #ifndef SOBOX_COMMON_BASE_LOG_H
 #define SOBOX_COMMON_BASE_LOG_H
 
-#include <stdbool.h>
+#include "common/base/error.h"
 
 enum log_level {
     LOG_QUIET,  // errors only: --quiet
@@ -18,6 +18,10 @@ void log_start(const char *program, enum log_level level);
 
 // An error: always shown.
 void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+// The error with which a program ends. One about the user's input (STATUS_INVALID) stands alone on
+// its line, "FILE:LINE:COLUMN: ...", so that editors find the place; any other as log_error().
+void log_failure(const struct error *error);
 
 // Something the user should know and perhaps act on: always shown but with LOG_QUIET.
 void log_note(const char *format, ...) __attribute__((format(printf, 1, 2)));

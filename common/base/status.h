@@ -4,13 +4,13 @@
 #define SOBOX_COMMON_BASE_STATUS_H
 
 // Name and short text of every status; the enum and status_text() are made from this one list.
-#define STATUS_LIST(X)                                                                             \
-    X(STATUS_OK, "done")                                                                           \
-    X(STATUS_INVALID, "the input is invalid")                                                      \
-    X(STATUS_IO, "reading or writing failed")                                                      \
-    X(STATUS_NETWORK, "the network failed")                                                        \
-    X(STATUS_REFUSED, "refused")                                                                   \
-    X(STATUS_INTERRUPTED, "interrupted")                                                           \
+#define STATUS_LIST(X)                        \
+    X(STATUS_OK, "done")                      \
+    X(STATUS_INVALID, "the input is invalid") \
+    X(STATUS_IO, "reading or writing failed") \
+    X(STATUS_NETWORK, "the network failed")   \
+    X(STATUS_REFUSED, "refused")              \
+    X(STATUS_INTERRUPTED, "interrupted")      \
     X(STATUS_FAILED, "failed")
 
 enum status {

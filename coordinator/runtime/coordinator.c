@@ -1,0 +1,570 @@
+#include "coordinator/runtime/coordinator.h"
+
+#include "common/base/clock.h"
+#include "common/base/log.h"
+#include "common/wire/source.h"
+#include "coordinator/runtime/progress.h"
+#include "coordinator/runtime/texts.h"
+#include "coordinator/schedule/schedule.h"
+#include "worker/batch/fingerprint.h"
+
+#include "sobox_outcome_batch_t.h"
+#include "sobox_run_status_t.h"
+#include "sobox_sample_batch_t.h"
+#include "sobox_search_status_t.h"
+#include "sobox_text_request_t.h"
+#include "sobox_text_t.h"
+#include "sobox_worker_status_t.h"
+
+#include <glib-unix.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
+    STATUS_INTERVAL_MS = 1000,
+    SEARCH_STATUS_INTERVAL_MS = 100,
+    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
+};
+
+// Nobody has answered for so long: say what is being waited for.
+static const int64_t WAIT_NOTE_NS = CLOCK_SECOND_NS;
+// The same text is not sent again within this time: what one worker asked for, all hear.
+static const int64_t TEXT_REPEAT_NS = 20 * CLOCK_MILLISECOND_NS;
+
+struct coordinator {
+    struct run *run;
+    struct wire *wire;
+    uint64_t sender;
+    const struct coordinator_settings *settings;
+    struct digest fingerprint;
+    struct schedule *schedule;
+    struct schedule_effects effects;
+    struct texts *texts;
+    struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
+    struct progress progress;
+    GQueue ready; // indexes of searches whose step is sampled, or that have not begun
+    GMainLoop *loop;
+    GSource *wake;      // the schedule's next deadline
+    int64_t waiting_ns; // since when no worker is there; 0 while there is one
+    bool wait_said;
+    enum status status; // why the loop ended
+    struct error *error;
+};
+
+// Ends the main loop. The first reason stands.
+static void stop(struct coordinator *coordinator, enum status status)
+{
+    if (coordinator->status == STATUS_OK)
+        coordinator->status = status;
+    g_main_loop_quit(coordinator->loop);
+}
+
+// ---- Effects of the schedule ----
+
+static void send_batch(struct coordinator *coordinator, uint64_t worker,
+                       const struct schedule_batch *batch)
+{
+    const struct run_search *search = &coordinator->run->searches[batch->search];
+    const struct search_request *request = &search->request;
+    const uint32_t variables = search->scenario.design_space.count;
+    sobox_sample_batch_t message = {
+        .header.run = (int64_t)coordinator->run->record.id,
+        .holder = (int64_t)worker,
+        .seed = (int64_t)request->sampling.seed,
+        .search = (int32_t)batch->search,
+        .step = (int32_t)batch->step,
+        .batch = (int32_t)batch->batch,
+        .attempt = (int32_t)batch->attempt,
+        .first = (int32_t)batch->first,
+        .count = (int32_t)batch->count,
+        .step_samples = (int32_t)request->sampling.samples,
+        .sampling = (int8_t)request->sampling.method,
+        .detail = (int8_t)request->detail,
+    };
+    memcpy(message.scenario, search->scenario.digest.bytes, DIGEST_SIZE);
+    memcpy(message.box, search->box.bytes, DIGEST_SIZE);
+    const size_t bounds_size = 2 * (size_t)variables * sizeof(double);
+    if (bounds_size <= wire_payload_max(coordinator->wire, WIRE_SAMPLE_BATCH)) {
+        message.bound_count = (int32_t)(2 * variables);
+        message.bounds = search->bounds;
+    }
+    // A message that LCM cannot send is a message lost: the lease brings the batch back.
+    (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
+}
+
+static void carry_out(struct coordinator *coordinator)
+{
+    const struct schedule_effects *effects = &coordinator->effects;
+    for (size_t i = 0; i < effects->count; i++) {
+        const struct schedule_effect *effect = &effects->items[i];
+        switch (effect->kind) {
+        case SCHEDULE_EFFECT_SEND:
+            send_batch(coordinator, effect->send.worker, &effect->send.batch);
+            break;
+        case SCHEDULE_EFFECT_COUNT: {
+            const struct schedule_batch *batch = &effect->count.batch;
+            memcpy(coordinator->run->searches[batch->search].verdicts + batch->first,
+                   coordinator->unpacked, batch->count * sizeof(struct verdict));
+            break;
+        }
+        case SCHEDULE_EFFECT_STEP:
+            g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(effect->step.search));
+            break;
+        case SCHEDULE_EFFECT_NOTE:
+            log_note("%s", effect->note);
+            break;
+        }
+    }
+    g_source_set_ready_time(coordinator->wake,
+                            effects->wake_ns == INT64_MAX ? -1 : effects->wake_ns / 1000 + 1);
+}
+
+static void schedule_take(struct coordinator *coordinator, struct schedule_event *event)
+{
+    event->now_ns = clock_monotonic_ns();
+    schedule_step(coordinator->schedule, event, &coordinator->effects);
+    carry_out(coordinator);
+}
+
+// ---- What the coordinator tells the others ----
+
+static void publish_search_status(struct coordinator *coordinator, uint32_t index)
+{
+    const struct run_search *search = &coordinator->run->searches[index];
+    struct search_progress progress;
+    struct search_result result;
+    search_progress(search->search, &progress);
+    search_result(search->search, &result);
+    sobox_search_status_t message = {
+        .header.run = (int64_t)coordinator->run->record.id,
+        .search = (int32_t)index,
+        .phase = (int8_t)progress.phase,
+        .status = (int8_t)result.status,
+        .step = (int32_t)progress.step,
+        .step_count = (int32_t)progress.step_count,
+        .evaluations = (int64_t)progress.evaluations,
+        .good_share = progress.good_share,
+        .log_volume = fmax(progress.log_volume, -DBL_MAX),
+        .purity_lower95 = result.purity.lower95,
+    };
+    memcpy(message.scenario, search->scenario.digest.bytes, DIGEST_SIZE);
+    const uint32_t variables = progress.box->count;
+    double *bounds = g_new(double, 2 * (size_t)variables);
+    if (2 * variables * sizeof(double) <= wire_payload_max(coordinator->wire, WIRE_SEARCH_STATUS)) {
+        memcpy(bounds, progress.box->lower, variables * sizeof(double));
+        memcpy(bounds + variables, progress.box->upper, variables * sizeof(double));
+        message.bound_count = (int32_t)(2 * variables);
+        message.bounds = bounds;
+    }
+    (void)!wire_publish(coordinator->wire, WIRE_SEARCH_STATUS, &message);
+    g_free(bounds);
+}
+
+enum run_state { RUN_RUNNING, RUN_WAITING, RUN_DONE, RUN_INTERRUPTED, RUN_FAILED };
+
+static void publish_run_status(struct coordinator *coordinator, enum run_state state)
+{
+    const struct run *run = coordinator->run;
+    struct schedule_counters schedule;
+    struct wire_counters wire;
+    schedule_counters(coordinator->schedule, &schedule);
+    wire_counters(coordinator->wire, &wire);
+    sobox_run_status_t message = {
+        .header.run = (int64_t)run->record.id,
+        .state = (int8_t)state,
+        .searches = (int32_t)run->record.search_count,
+        .searches_done = (int32_t)run->done_count,
+        .workers = (int32_t)schedule.workers,
+        .workers_refused = (int32_t)schedule.workers_refused,
+        .samples = (int64_t)schedule.samples_counted,
+        .batches = (int64_t)schedule.batches_counted,
+        .released = (int64_t)schedule.released,
+        .duplicates = (int64_t)schedule.duplicates,
+        .rejected = (int64_t)wire.rejected,
+        .lost = (int64_t)wire.lost,
+        .elapsed_ns = run_elapsed_ns(run, clock_monotonic_ns()),
+        .service_ns = schedule.service_ns,
+    };
+    g_strlcpy((char *)message.name, run->record.name, sizeof message.name);
+    memcpy(message.fingerprint, coordinator->fingerprint.bytes, DIGEST_SIZE);
+    (void)!wire_publish(coordinator->wire, WIRE_RUN_STATUS, &message);
+}
+
+// ---- Searches ----
+
+// Moves every search that can move: hands sampled steps over, asks for the next ones.
+static enum status advance(struct coordinator *coordinator)
+{
+    struct run *run = coordinator->run;
+    while (!g_queue_is_empty(&coordinator->ready)) {
+        const uint32_t index = GPOINTER_TO_UINT(g_queue_pop_head(&coordinator->ready));
+        struct run_search *search = &run->searches[index];
+        enum status status = STATUS_OK;
+        bool wanted = false;
+        if (search->active) {
+            texts_remove(coordinator->texts, &search->box);
+            status = run_complete(run, index, coordinator->error);
+        }
+        if (status == STATUS_OK)
+            status = run_next(run, index, clock_monotonic_ns(), &wanted, coordinator->error);
+        if (status != STATUS_OK)
+            return status;
+        if (search->done)
+            publish_search_status(coordinator, index);
+        if (!wanted)
+            continue;
+        texts_add(coordinator->texts, &search->box, search->bounds,
+                  2 * (size_t)search->scenario.design_space.count * sizeof(double));
+        schedule_take(coordinator,
+                      &(struct schedule_event){
+                          .kind = SCHEDULE_EVENT_STEP,
+                          .step = {
+                              .search = index,
+                              .step = search->request.sampling.step,
+                              .samples = search->request.sampling.samples,
+                              .share_only = search->request.detail == VERDICT_DETAIL_SHARE,
+                          }});
+    }
+    return STATUS_OK;
+}
+
+static void advance_or_stop(struct coordinator *coordinator)
+{
+    enum status status = advance(coordinator);
+    if (status != STATUS_OK ||
+        coordinator->run->done_count == coordinator->run->record.search_count)
+        stop(coordinator, status);
+}
+
+// ---- Messages ----
+
+static bool ours(const struct coordinator *coordinator, const sobox_header_t *header)
+{
+    return (uint64_t)header->run == coordinator->run->record.id;
+}
+
+static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
+{
+    (void)kind;
+    struct coordinator *coordinator = user;
+    const sobox_outcome_batch_t *message = bytes;
+    if (!ours(coordinator, &message->header) || message->search < 0 ||
+        (uint32_t)message->search >= coordinator->run->record.search_count ||
+        message->count > OUTCOME_SAMPLES_MAX)
+        return;
+    const struct run_search *search = &coordinator->run->searches[message->search];
+    // Only the step being sampled can count; an outcome of an earlier one is unpacked by no one.
+    if (search->active && (uint32_t)message->step == search->request.sampling.step &&
+        (message->detail != (int8_t)search->request.detail ||
+         !verdict_unpack(coordinator->unpacked, (uint32_t)message->count, search->request.detail,
+                         search->scenario.constraint_count, message->packed,
+                         (size_t)message->packed_size))) {
+        log_debug("an outcome of step %d does not unpack", message->step);
+        return;
+    }
+    schedule_take(coordinator,
+                  &(struct schedule_event){.kind = SCHEDULE_EVENT_OUTCOME,
+                                           .outcome = {
+                                               .worker = (uint64_t)message->header.sender,
+                                               .batch =
+                                                   {
+                                                       .search = (uint32_t)message->search,
+                                                       .step = (uint32_t)message->step,
+                                                       .batch = (uint32_t)message->batch,
+                                                       .attempt = (uint32_t)message->attempt,
+                                                       .first = (uint32_t)message->first,
+                                                       .count = (uint32_t)message->count,
+                                                   },
+                                               .queue = (uint32_t)message->queue,
+                                               .service_ns = message->service_ns,
+                                           }});
+    advance_or_stop(coordinator);
+}
+
+static void heard_worker(void *user, enum wire_kind kind, const void *bytes)
+{
+    (void)kind;
+    struct coordinator *coordinator = user;
+    const sobox_worker_status_t *message = bytes;
+    struct schedule_event event = {
+        .kind = SCHEDULE_EVENT_WORKER,
+        .worker = {
+            .id = (uint64_t)message->header.sender,
+            .threads = (uint32_t)message->threads,
+            .queue = (uint32_t)message->queue,
+            .leaving = message->leaving != 0,
+            .acceptable =
+                memcmp(message->fingerprint, coordinator->fingerprint.bytes, DIGEST_SIZE) == 0,
+        }};
+    g_snprintf(event.worker.name, sizeof event.worker.name, "%.63s/%d", (const char *)message->host,
+               message->process);
+    schedule_take(coordinator, &event);
+}
+
+static void heard_text_request(void *user, enum wire_kind kind, const void *bytes)
+{
+    (void)kind;
+    struct coordinator *coordinator = user;
+    const sobox_text_request_t *message = bytes;
+    if (!ours(coordinator, &message->header))
+        return;
+    struct digest digest;
+    memcpy(digest.bytes, message->digest, DIGEST_SIZE);
+    size_t total = 0;
+    const uint8_t *text = texts_ask(coordinator->texts, &digest, (size_t)message->offset,
+                                    clock_monotonic_ns(), TEXT_REPEAT_NS, &total);
+    if (text == NULL)
+        return;
+    const size_t piece_max = wire_payload_max(coordinator->wire, WIRE_TEXT);
+    size_t offset = (size_t)message->offset;
+    for (int piece = 0; piece < TEXT_PIECES_MAX && offset < total; piece++) {
+        const size_t size = MIN(piece_max, total - offset);
+        sobox_text_t answer = {
+            .header.run = message->header.run,
+            .total_size = (int32_t)total,
+            .offset = (int32_t)offset,
+            .piece_size = (int32_t)size,
+            .piece = (uint8_t *)text + offset,
+        };
+        memcpy(answer.digest, digest.bytes, DIGEST_SIZE);
+        (void)!wire_publish(coordinator->wire, WIRE_TEXT, &answer);
+        offset += size;
+    }
+}
+
+// ---- Timers ----
+
+static gboolean woken(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    schedule_take(coordinator, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean wake_dispatch(GSource *source, GSourceFunc callback, gpointer user)
+{
+    g_source_set_ready_time(source, -1);
+    return callback(user);
+}
+
+// Says for what the coordinator waits when no worker is there, once per wait.
+static void look_for_workers(struct coordinator *coordinator, uint32_t workers)
+{
+    const int64_t now_ns = clock_monotonic_ns();
+    if (workers > 0) {
+        coordinator->waiting_ns = 0;
+        coordinator->wait_said = false;
+        return;
+    }
+    if (coordinator->waiting_ns == 0)
+        coordinator->waiting_ns = now_ns;
+    if (coordinator->wait_said || now_ns - coordinator->waiting_ns < WAIT_NOTE_NS)
+        return;
+    coordinator->wait_said = true;
+    if (coordinator->settings->open)
+        log_note("waiting for a worker: start one on this or another machine with "
+                 "'sobox-worker --url \"%s\"'",
+                 coordinator->settings->url);
+    else
+        log_note("waiting for the local workers to answer");
+}
+
+static gboolean tell_status(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    struct schedule_counters counters;
+    schedule_counters(coordinator->schedule, &counters);
+    look_for_workers(coordinator, counters.workers);
+    publish_run_status(coordinator, counters.workers > 0 ? RUN_RUNNING : RUN_WAITING);
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean tell_searches(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++) {
+        if (coordinator->run->searches[i].active)
+            publish_search_status(coordinator, i);
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean show_progress(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    struct schedule_counters counters;
+    schedule_counters(coordinator->schedule, &counters);
+    progress_show(&coordinator->progress, coordinator->run, &counters, clock_monotonic_ns());
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean interrupted(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    error_set(coordinator->error, STATUS_INTERRUPTED,
+              "interrupted; continue with 'sobox-coordinator --resume %s'",
+              coordinator->run->directory);
+    stop(coordinator, STATUS_INTERRUPTED);
+    return G_SOURCE_CONTINUE;
+}
+
+static void child_ended(void *user, uint32_t alive)
+{
+    struct coordinator *coordinator = user;
+    if (alive > 0 || coordinator->settings->open)
+        return;
+    stop(coordinator, error_set(coordinator->error, STATUS_FAILED,
+                                "all local workers have ended; continue with "
+                                "'sobox-coordinator --resume %s'",
+                                coordinator->run->directory));
+}
+
+// ---- Life ----
+
+static enum status subscribe(struct coordinator *coordinator)
+{
+    static const struct {
+        enum wire_kind kind;
+        wire_handler *handler;
+    } handlers[] = {
+        {WIRE_OUTCOME_BATCH, heard_outcome},
+        {WIRE_TEXT_REQUEST, heard_text_request},
+        {WIRE_WORKER_STATUS, heard_worker},
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(handlers); i++) {
+        enum status status = wire_subscribe(coordinator->wire, handlers[i].kind,
+                                            handlers[i].handler, coordinator, coordinator->error);
+        if (status != STATUS_OK)
+            return status;
+    }
+    wire_source_attach(coordinator->wire);
+    return STATUS_OK;
+}
+
+static struct schedule_settings schedule_settings(struct wire *wire)
+{
+    struct schedule_settings settings = schedule_settings_default();
+    const size_t payload = wire_payload_max(wire, WIRE_OUTCOME_BATCH);
+    uint32_t samples = OUTCOME_SAMPLES_MAX;
+    while (verdict_packed_size_max(samples, VERDICT_DETAIL_FULL) > payload)
+        samples -= samples / 16 + 1;
+    settings.batch_samples_max = samples;
+    samples = OUTCOME_SAMPLES_MAX;
+    while (verdict_packed_size_max(samples, VERDICT_DETAIL_SHARE) > payload)
+        samples -= samples / 16 + 1;
+    settings.batch_verdicts_max = samples;
+    return settings;
+}
+
+static enum run_state state_after(enum status status)
+{
+    switch (status) {
+    case STATUS_OK:
+        return RUN_DONE;
+    case STATUS_INTERRUPTED:
+        return RUN_INTERRUPTED;
+    default:
+        return RUN_FAILED;
+    }
+}
+
+static enum journal_state journal_state_after(enum status status)
+{
+    switch (status) {
+    case STATUS_OK:
+        return JOURNAL_STATE_DONE;
+    case STATUS_INTERRUPTED:
+        return JOURNAL_STATE_INTERRUPTED;
+    default:
+        return JOURNAL_STATE_FAILED;
+    }
+}
+
+// Runs the main loop with its timers and signals until something stops it.
+static void loop(struct coordinator *coordinator)
+{
+    static GSourceFuncs wake_functions = {.dispatch = wake_dispatch};
+    coordinator->wake = g_source_new(&wake_functions, sizeof(GSource));
+    g_source_set_callback(coordinator->wake, woken, coordinator, NULL);
+    g_source_attach(coordinator->wake, NULL);
+    guint timers[5] = {
+        g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
+        g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
+        g_unix_signal_add(SIGINT, interrupted, coordinator),
+        g_unix_signal_add(SIGTERM, interrupted, coordinator),
+    };
+    const long long interval_ns = log_progress_interval_ns();
+    if (interval_ns != INT64_MAX)
+        timers[4] =
+            g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
+
+    publish_run_status(coordinator, RUN_RUNNING);
+    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++)
+        g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(i));
+    enum status status = advance(coordinator);
+    if (status != STATUS_OK)
+        coordinator->status = status;
+    else if (coordinator->run->done_count < coordinator->run->record.search_count)
+        g_main_loop_run(coordinator->loop);
+
+    for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
+        if (timers[i] != 0)
+            g_source_remove(timers[i]);
+    }
+    g_source_destroy(coordinator->wake);
+    g_source_unref(coordinator->wake);
+    progress_end(&coordinator->progress);
+}
+
+static void add_scenario_texts(struct coordinator *coordinator)
+{
+    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++) {
+        const struct scenario *scenario = &coordinator->run->searches[i].scenario;
+        texts_add(coordinator->texts, &scenario->digest, scenario->text, scenario->text_size);
+    }
+}
+
+enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
+                            const struct coordinator_settings *settings, struct error *error)
+{
+    const struct schedule_settings schedule = schedule_settings(wire);
+    struct coordinator coordinator = {
+        .run = run,
+        .wire = wire,
+        .sender = sender,
+        .settings = settings,
+        .fingerprint = fingerprint_compute(),
+        .schedule = schedule_create(&schedule),
+        .texts = texts_create(),
+        .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
+        .ready = G_QUEUE_INIT,
+        .loop = g_main_loop_new(NULL, FALSE),
+        .error = error,
+    };
+    add_scenario_texts(&coordinator);
+    if (settings->children != NULL)
+        children_watch(settings->children, child_ended, &coordinator);
+
+    coordinator.status = subscribe(&coordinator);
+    if (coordinator.status == STATUS_OK)
+        loop(&coordinator);
+
+    enum status status = coordinator.status;
+    struct error unwritten = {0};
+    if (run_end(run, journal_state_after(status), clock_monotonic_ns(), &unwritten) != STATUS_OK &&
+        status == STATUS_OK) {
+        *error = unwritten;
+        status = unwritten.status;
+    }
+    publish_run_status(&coordinator, state_after(status));
+    wire_source_detach(wire);
+    g_queue_clear(&coordinator.ready);
+    g_main_loop_unref(coordinator.loop);
+    schedule_effects_fini(&coordinator.effects);
+    schedule_free(coordinator.schedule);
+    texts_free(coordinator.texts);
+    g_free(coordinator.unpacked);
+    return status;
+}
