@@ -1,10 +1,10 @@
 // The run's truth: run.db, an SQLite database in the run folder, written before anything is acted
 // on. It holds the scenario as it was read, one row a search and one row a finished step with the
-// step's verdicts, so that a killed run is resumed by replaying them; it survives kill -9 and a full
-// disk, and can be read while the run goes on.
+// step's verdicts, so that a killed run is resumed by replaying them; it survives kill -9 and a
+// full disk, and can be read while the run goes on.
 //
 //   meta    schema version
-//   run     one row: name, program version, state, times, command line
+//   run     one row: id, name, program version, state, how many searches, times
 //   search  index, name of its case, scenario text and digest, seed, state and result
 //   step    (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts
 #ifndef SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
@@ -35,25 +35,26 @@ enum journal_mode {
 
 struct journal_run {
     char name[64];
-    char version[32];       // of sobox
+    char version[32]; // of sobox
     enum journal_state state;
-    uint64_t id;            // the run's random number on the network
+    uint64_t id; // the run's random number on the network
     uint32_t search_count;
-    int64_t started_ns;     // calendar
-    int64_t elapsed_ns;     // running time over all its sessions
+    int64_t started_ns; // calendar
+    int64_t elapsed_ns; // running time over all its sessions
 };
 
 // One search. On writing, text is borrowed; on reading it is owned by the struct.
 struct journal_search {
     uint32_t index;
-    char *text;           // canonical YAML of its scenario
+    char name[64]; // of its case in a sweep; "" otherwise
+    char *text;    // canonical YAML of its scenario
     size_t text_size;
     struct digest scenario;
     uint64_t seed;
     // The result: meaningful once `finished`.
     bool finished;
-    char status[32];      // search_status_name()
-    struct box box;       // owned; count 0 until finished
+    char status[32]; // search_status_name()
+    struct box box;  // owned; count 0 until finished
     double log_volume;
     uint64_t purity_samples, purity_bad;
     double purity_estimate, purity_lower95;
@@ -67,14 +68,14 @@ struct journal_search {
 struct journal_step {
     uint32_t search;
     uint32_t step;
-    char phase[16];       // search_phase_name()
+    char phase[16]; // search_phase_name()
     uint32_t samples;
     uint32_t good;
     double growth;
     double log_volume;
-    const struct box *box;           // that was sampled; borrowed
+    const struct box *box; // that was sampled, all bounds finite; borrowed
     enum verdict_detail detail;
-    const struct verdict *verdicts;  // (samples) borrowed
+    const struct verdict *verdicts; // (samples) borrowed
 };
 
 struct journal;
@@ -85,7 +86,8 @@ enum status journal_create(struct journal **journal, const char *directory,
                            const struct journal_run *run, const struct journal_search *searches,
                            struct error *error) MUST_USE;
 
-// Opens the run.db of a run folder. JOURNAL_RESUME takes the folder for this process alone.
+// Opens the run.db of a run folder. JOURNAL_RESUME takes the folder for this process alone, as
+// journal_create() does; JOURNAL_READ shows the run as it is at this moment, whatever comes later.
 // Errors: STATUS_IO (none there, not a database, disk), STATUS_REFUSED (another schema version;
 // another coordinator is writing it).
 enum status journal_open(struct journal **journal, const char *directory, enum journal_mode mode,
@@ -115,6 +117,8 @@ void journal_search_fini(struct journal_search *search);
 
 // Calls `visit` for each finished step of a search in order; what the step points to is borrowed
 // until it returns. Another status than STATUS_OK from `visit` ends the reading and is returned.
+// The journal knows no scenario: whoever replays a step checks first that its number, its samples
+// and its box are those the search asked for and its constraints are below the scenario's count.
 typedef enum status journal_visitor(void *user, const struct journal_step *step,
                                     struct error *error);
 enum status journal_read_steps(struct journal *journal, uint32_t search, journal_visitor *visit,

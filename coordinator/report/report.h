@@ -14,8 +14,8 @@ enum report_format { REPORT_SVG, REPORT_PNG, REPORT_PDF };
 struct report_plot {
     enum report_format format;
     const char *compare; // second run folder drawn over the first, or NULL
-    bool normalise;      // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown
-    const char *output;  // file to write; NULL: corridors.FORMAT in the run folder
+    bool normalise; // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown
+    const char *output; // file to write; NULL: corridors.FORMAT in the run folder
 };
 
 // Writes result.json, corridors.csv and history.csv into the run folder; each is whole or absent.

@@ -19,13 +19,13 @@
 #include <stdint.h>
 
 struct schedule_settings {
-    uint32_t batch_samples_max;   // samples of a batch with full verdicts, by message size
-    uint32_t batch_verdicts_max;  // samples of a batch whose verdicts are only shares, likewise
-    int64_t batch_target_ns;      // how long a batch should take a worker [ns]: a few milliseconds
-    int64_t silence_ns;           // a worker not heard for so long is gone [ns]
-    int64_t lease_min_ns;         // least and greatest lease [ns]
+    uint32_t batch_samples_max;  // samples of a batch with full verdicts, by message size
+    uint32_t batch_verdicts_max; // samples of a batch whose verdicts are only shares, likewise
+    int64_t batch_target_ns;     // how long a batch should take a worker [ns]: a few milliseconds
+    int64_t silence_ns;          // a worker not heard for so long is gone [ns]
+    int64_t lease_min_ns;        // least and greatest lease [ns]
     int64_t lease_max_ns;
-    uint32_t window_max;          // batches in flight at one worker, at most
+    uint32_t window_max; // batches in flight at one worker, at most
 };
 
 struct schedule_settings schedule_settings_default(void);
@@ -56,22 +56,22 @@ struct schedule_event {
             uint32_t search;
             uint32_t step;
             uint32_t samples;
-            bool share_only;    // verdicts are only shares: larger batches fit a message
-            double sample_ns;   // guess of the evaluation time of a sample on one core; 0: none
+            bool share_only;  // verdicts are only shares: larger batches fit a message
+            double sample_ns; // guess of the evaluation time of a sample on one core; 0: none
         } step;
         struct {
             uint32_t search;
         } cancel;
         struct {
-            uint64_t id;        // its sender number
+            uint64_t id; // its sender number
             uint32_t threads;
             uint32_t queue;
-            bool acceptable;    // fingerprint and version are the coordinator's
+            bool acceptable; // fingerprint and version are the coordinator's
             bool leaving;
-            char name[96];      // host and process, for notices
+            char name[96]; // host and process, for notices
         } worker;
         struct {
-            uint64_t worker;    // sender number
+            uint64_t worker; // sender number
             struct schedule_batch batch;
             uint32_t queue;     // still waiting there
             int64_t service_ns; // its evaluation took
@@ -113,17 +113,17 @@ struct schedule_effects {
 };
 
 struct schedule_counters {
-    uint32_t workers;         // that may hold leases
+    uint32_t workers; // that may hold leases
     uint32_t workers_refused;
     uint32_t batches_waiting;
     uint32_t batches_leased;
     uint64_t batches_counted;
     uint64_t samples_counted;
-    uint64_t released;        // leases that lapsed or lost their worker
-    uint64_t copies;          // late batches handed to a second worker
-    uint64_t duplicates;      // outcomes of batches already counted
-    uint64_t unknown;         // outcomes of batches that never were or are long gone
-    int64_t service_ns;       // evaluation time of counted batches
+    uint64_t released;   // leases that lapsed or lost their worker
+    uint64_t copies;     // late batches handed to a second worker
+    uint64_t duplicates; // outcomes of batches already counted
+    uint64_t unknown;    // outcomes of batches that never were or are long gone
+    int64_t service_ns;  // evaluation time of counted batches
 };
 
 struct schedule;

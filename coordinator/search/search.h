@@ -1,6 +1,6 @@
-// One box search as a pure step machine: it asks for a step of samples, is given their verdicts, and
-// asks for the next, until it is done (design.md section 4). It knows no clock, network or file;
-// the same verdicts give the same bits, whoever computed them and however many threads trim.
+// One box search as a pure step machine: it asks for a step of samples, is given their verdicts,
+// and asks for the next, until it is done (design.md section 4). It knows no clock, network or
+// file; the same verdicts give the same bits, whoever computed them and however many threads trim.
 //
 //     seek -> explore (grow, sample, trim) -> consolidate (sample, trim) -> certify -> done
 //
@@ -50,12 +50,12 @@ struct search_step {
 
 struct search_progress {
     enum search_phase phase;
-    uint32_t step;           // steps finished
-    uint32_t step_count;     // an estimate of the total, never below `step`
-    uint64_t evaluations;    // samples counted so far
-    double good_share;       // of the last finished step
-    double log_volume;       // of the current box
-    const struct box *box;   // current box; borrowed until the next search_complete()
+    uint32_t step;         // steps finished
+    uint32_t step_count;   // an estimate of the total, never below `step`
+    uint64_t evaluations;  // samples counted so far
+    double good_share;     // of the last finished step
+    double log_volume;     // of the current box
+    const struct box *box; // current box; borrowed until the next search_complete()
 };
 
 struct search_result {
@@ -69,10 +69,10 @@ struct search_result {
         double lower95;  // what the true share exceeds with 95 % confidence, repeated looks counted
     } purity;
     uint64_t evaluations;
-    uint64_t non_finite;           // samples with a non-finite outcome
+    uint64_t non_finite; // samples with a non-finite outcome
     uint32_t steps;
-    uint32_t blocking_constraint;  // no good design: the constraint most often in the way
-    struct digest digest;          // of the bounds' bits and the counts
+    uint32_t blocking_constraint; // no good design: the constraint most often in the way
+    struct digest digest;         // of the bounds' bits and the counts
 };
 
 struct search;
@@ -97,7 +97,8 @@ void search_progress(const struct search *search, struct search_progress *progre
 // The result so far; final when search_request() returns false.
 void search_result(const struct search *search, struct search_result *result);
 
-const char *search_phase_name(enum search_phase phase);    // "seek", "explore", ...
-const char *search_status_name(enum search_status status); // "running", "done", "purity_missed", ...
+const char *search_phase_name(enum search_phase phase); // "seek", "explore", ...
+const char *
+search_status_name(enum search_status status); // "running", "done", "purity_missed", ...
 
 #endif
