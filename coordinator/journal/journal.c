@@ -1,0 +1,547 @@
+// Opening and writing. How durable a step is:
+//
+// The database is in WAL mode with synchronous=NORMAL. An append is then one write() to run.db-wal
+// and no fsync(): what the kernel has been given survives any death of this process, and costs tens
+// of microseconds. A power failure may take the last steps, never the consistency of what was there
+// before; a resumed search computes lost steps again to the same bits, so an fsync() a step, some
+// milliseconds on a disk, would buy nothing but time once in a blue moon. SQLite does fsync() when
+// it moves the log into run.db: every 4,000 pages and when the run ends.
+#include "coordinator/journal/journal_inside.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// The REAL columns are for people; `exact` repeats them bit by bit and is what is read back. A
+// step's id is its place, (search << 32) + step, so that one B-tree serves key, order and row.
+static const char SCHEMA[] =
+    "CREATE TABLE meta (schema INTEGER NOT NULL) STRICT;"
+    "CREATE TABLE run (id INTEGER NOT NULL, name TEXT NOT NULL, version TEXT NOT NULL,"
+    " state TEXT NOT NULL, search_count INTEGER NOT NULL, started_ns INTEGER NOT NULL,"
+    " elapsed_ns INTEGER NOT NULL) STRICT;"
+    "CREATE TABLE search (number INTEGER PRIMARY KEY, name TEXT NOT NULL, scenario TEXT NOT NULL,"
+    " scenario_digest BLOB NOT NULL, seed INTEGER NOT NULL,"
+    " finished INTEGER NOT NULL DEFAULT 0, status TEXT NOT NULL DEFAULT 'running',"
+    " log_volume REAL, purity_samples INTEGER, purity_bad INTEGER, purity_estimate REAL,"
+    " purity_lower95 REAL, evaluations INTEGER, non_finite INTEGER, steps INTEGER,"
+    " blocking_constraint TEXT, wall_ns INTEGER, exact BLOB, bounds BLOB, digest BLOB) STRICT;"
+    "CREATE TABLE step (id INTEGER PRIMARY KEY, search INTEGER NOT NULL, step INTEGER NOT NULL,"
+    " phase TEXT NOT NULL, samples INTEGER NOT NULL, good INTEGER NOT NULL, growth REAL,"
+    " log_volume REAL, exact BLOB NOT NULL, bounds BLOB NOT NULL, detail INTEGER NOT NULL,"
+    " verdicts BLOB NOT NULL) STRICT;";
+
+static const char APPEND[] =
+    "INSERT INTO step (id, search, step, phase, samples, good, growth, log_volume, exact, bounds,"
+    " detail, verdicts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
+
+static const char *const STATE_NAMES[] = {
+    [JOURNAL_STATE_RUNNING] = "running",
+    [JOURNAL_STATE_DONE] = "done",
+    [JOURNAL_STATE_INTERRUPTED] = "interrupted",
+    [JOURNAL_STATE_FAILED] = "failed",
+};
+
+const char *journal_state_name(enum journal_state state)
+{
+    assert(state < G_N_ELEMENTS(STATE_NAMES));
+    return STATE_NAMES[state];
+}
+
+int64_t journal_step_id(uint32_t search, uint32_t step)
+{
+    assert(search <= INT32_MAX); // ids stay positive and ordered
+    return (int64_t)search << 32 | step;
+}
+
+void journal_doubles_put(GByteArray *bytes, const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        guint64 bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        bits = GUINT64_TO_LE(bits);
+        g_byte_array_append(bytes, (const guint8 *)&bits, sizeof bits);
+    }
+}
+
+void journal_doubles_take(double *values, size_t count, const void *bytes)
+{
+    for (size_t i = 0; i < count; i++) {
+        guint64 bits;
+        memcpy(&bits, (const guint8 *)bytes + i * sizeof bits, sizeof bits);
+        bits = GUINT64_FROM_LE(bits);
+        memcpy(&values[i], &bits, sizeof bits);
+    }
+}
+
+// ---- errors ----
+
+enum status journal_failure(struct journal *journal, const char *what, struct error *error)
+{
+    int code = journal->database != NULL ? sqlite3_errcode(journal->database) & 0xff : SQLITE_NOMEM;
+    const char *path = journal->path;
+    switch (code) {
+    case SQLITE_FULL:
+        return error_set(error, STATUS_IO,
+                         "%s: %s: the disk is full; free some space, what was written before is "
+                         "whole",
+                         path, what);
+    case SQLITE_NOTADB:
+        return error_set(error, STATUS_IO, "%s: not a run's journal: not an SQLite database", path);
+    case SQLITE_CORRUPT:
+        return error_set(error, STATUS_IO, "%s: %s: the file is damaged (%s)", path, what,
+                         sqlite3_errmsg(journal->database));
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+        return error_set(error, STATUS_IO, "%s: %s: no permission to write", path, what);
+    default: {
+        int reason = journal->database != NULL ? sqlite3_system_errno(journal->database) : 0;
+        bool known = reason != 0 && (code == SQLITE_IOERR || code == SQLITE_CANTOPEN);
+        return error_set(error, STATUS_IO, "%s: %s: %s", path, what,
+                         known                       ? strerror(reason)
+                         : journal->database != NULL ? sqlite3_errmsg(journal->database)
+                                                     : "out of memory");
+    }
+    }
+}
+
+enum status journal_damaged(struct journal *journal, const char *what, struct error *error)
+{
+    return error_set(error, STATUS_IO, "%s: the file is damaged: %s", journal->path, what);
+}
+
+sqlite3_stmt *journal_prepare(struct journal *journal, const char *sql, struct error *error)
+{
+    sqlite3_stmt *statement = NULL;
+    if (sqlite3_prepare_v2(journal->database, sql, -1, &statement, NULL) != SQLITE_OK) {
+        journal_failure(journal, "cannot be read", error);
+        return NULL;
+    }
+    return statement;
+}
+
+// ---- opening ----
+
+static enum status execute(struct journal *journal, const char *sql, const char *what,
+                           struct error *error)
+{
+    if (sqlite3_exec(journal->database, sql, NULL, NULL, NULL) != SQLITE_OK)
+        return journal_failure(journal, what, error);
+    return STATUS_OK;
+}
+
+static struct journal *journal_new(const char *directory)
+{
+    struct journal *journal = g_new0(struct journal, 1);
+    journal->path = g_build_filename(directory, "run.db", NULL);
+    journal->bounds = g_byte_array_new();
+    journal->verdicts = g_byte_array_new();
+    return journal;
+}
+
+// Opens the file and takes away everything a database that was made to deceive could use against
+// its reader: triggers, views, schemas that call functions, huge values.
+static enum status database_open(struct journal *journal, const char *name, int flags,
+                                 struct error *error)
+{
+    if (sqlite3_open_v2(name, &journal->database, flags | SQLITE_OPEN_EXRESCODE, NULL) != SQLITE_OK)
+        return journal_failure(journal, "cannot be opened", error);
+    sqlite3 *database = journal->database;
+    sqlite3_db_config(database, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
+    sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, NULL);
+    sqlite3_db_config(database, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, NULL);
+    sqlite3_db_config(database, SQLITE_DBCONFIG_ENABLE_VIEW, 0, NULL);
+    sqlite3_limit(database, SQLITE_LIMIT_LENGTH, JOURNAL_BLOB_SIZE_MAX);
+    sqlite3_busy_timeout(database, 5000); // a reader that recovers a dead coordinator's log
+    return execute(journal, "PRAGMA cell_size_check = ON", "cannot be opened", error);
+}
+
+// Where the file system has no shared memory SQLite keeps its rollback journal instead: slower,
+// as durable, so the answer to journal_mode is not looked at.
+static enum status writing_start(struct journal *journal, struct error *error)
+{
+    enum status status = execute(journal,
+                                 "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"
+                                 "PRAGMA wal_autocheckpoint = 4000; PRAGMA temp_store = MEMORY",
+                                 "cannot be written", error);
+    if (status == STATUS_OK &&
+        sqlite3_prepare_v3(journal->database, APPEND, -1, SQLITE_PREPARE_PERSISTENT,
+                           &journal->append, NULL) != SQLITE_OK)
+        status = journal_failure(journal, "cannot be written", error);
+    return status;
+}
+
+// Reads one integer; what is not there or not an integer is -1.
+static enum status read_number(struct journal *journal, const char *sql, int64_t *number,
+                               struct error *error)
+{
+    *number = -1;
+    sqlite3_stmt *statement = journal_prepare(journal, sql, error);
+    if (statement == NULL)
+        return STATUS_IO;
+    int code = sqlite3_step(statement);
+    if (code == SQLITE_ROW && sqlite3_column_type(statement, 0) == SQLITE_INTEGER)
+        *number = sqlite3_column_int64(statement, 0);
+    enum status status = STATUS_OK;
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        status = journal_failure(journal, "cannot be read", error);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+// The file must be ours and of this version before anything in it is believed.
+static enum status check_schema(struct journal *journal, struct error *error)
+{
+    int64_t application, tables, schema;
+    if (read_number(journal, "PRAGMA application_id", &application, error) != STATUS_OK ||
+        read_number(journal, "SELECT count(*) FROM sqlite_schema", &tables, error) != STATUS_OK)
+        return STATUS_IO;
+    if (tables == 0)
+        return error_set(error, STATUS_IO,
+                         "%s: empty: its run was stopped before it began; delete the folder and "
+                         "start anew",
+                         journal->path);
+    if (application != JOURNAL_APPLICATION_ID)
+        return error_set(error, STATUS_IO, "%s: an SQLite database, but not the journal of a run",
+                         journal->path);
+    if (read_number(journal, "SELECT schema FROM meta", &schema, error) != STATUS_OK)
+        return STATUS_IO;
+    if (schema != JOURNAL_SCHEMA)
+        return error_set(error, STATUS_REFUSED,
+                         "%s: written in version %lld of the journal's format, this sobox reads "
+                         "version %d; use the sobox that wrote it",
+                         journal->path, (long long)schema, JOURNAL_SCHEMA);
+    return STATUS_OK;
+}
+
+// A reader looks at one moment of the run, however long it takes.
+static enum status snapshot_start(struct journal *journal, struct error *error)
+{
+    return execute(journal, "BEGIN; SELECT count(*) FROM sqlite_schema", "cannot be read", error);
+}
+
+// In a folder where nothing can be created SQLite cannot open a database in WAL mode, but when no
+// log lies beside it nobody is writing, and it may be read as it stands.
+static enum status read_only_open(struct journal *journal, struct error *error)
+{
+    char *log = g_strconcat(journal->path, "-wal", NULL);
+    bool has_log = access(log, F_OK) == 0;
+    g_free(log);
+    if (has_log)
+        return STATUS_IO; // the error of the first attempt stands
+    sqlite3_close(journal->database);
+    journal->database = NULL;
+    char *absolute = g_canonicalize_filename(journal->path, NULL);
+    char *escaped = g_uri_escape_string(absolute, "/", FALSE);
+    char *uri = g_strdup_printf("file://%s?immutable=1", escaped);
+    enum status status = database_open(journal, uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, error);
+    if (status == STATUS_OK)
+        status = snapshot_start(journal, error);
+    g_free(uri);
+    g_free(escaped);
+    g_free(absolute);
+    return status;
+}
+
+static enum status open_to_read(struct journal *journal, struct error *error)
+{
+    enum status status = database_open(journal, journal->path, SQLITE_OPEN_READONLY, error);
+    if (status == STATUS_OK)
+        status = snapshot_start(journal, error);
+    int code = sqlite3_errcode(journal->database) & 0xff;
+    if (status != STATUS_OK && (code == SQLITE_CANTOPEN || code == SQLITE_READONLY))
+        status = read_only_open(journal, error);
+    return status;
+}
+
+static enum status open_to_write(struct journal *journal, const char *directory,
+                                 struct error *error)
+{
+    enum status status = journal_lock_take(&journal->lock, directory, error);
+    if (status != STATUS_OK)
+        return status;
+    return database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
+}
+
+enum status journal_open(struct journal **result, const char *directory, enum journal_mode mode,
+                         struct error *error)
+{
+    *result = NULL;
+    struct journal *journal = journal_new(directory);
+    enum status status = STATUS_OK;
+    struct stat file;
+    if (stat(journal->path, &file) != 0)
+        status = error_set(error, STATUS_IO, "%s: %s; a run folder has a run.db", journal->path,
+                           errno == ENOENT ? "there is none" : strerror(errno));
+    else if (!S_ISREG(file.st_mode))
+        status = error_set(error, STATUS_IO, "%s: not a file", journal->path);
+    else if (mode == JOURNAL_RESUME)
+        status = open_to_write(journal, directory, error);
+    else
+        status = open_to_read(journal, error);
+
+    if (status == STATUS_OK)
+        status = check_schema(journal, error);
+    if (status == STATUS_OK && mode == JOURNAL_RESUME)
+        status = writing_start(journal, error);
+    if (status != STATUS_OK) {
+        journal_close(journal);
+        return status;
+    }
+    *result = journal;
+    return STATUS_OK;
+}
+
+void journal_close(struct journal *journal)
+{
+    if (journal == NULL)
+        return;
+    sqlite3_finalize(journal->append);
+    sqlite3_close(journal->database);
+    journal_lock_release(&journal->lock); // last: until here we are the writer
+    g_byte_array_unref(journal->bounds);
+    g_byte_array_unref(journal->verdicts);
+    g_free(journal->path);
+    g_free(journal);
+}
+
+// ---- writing ----
+
+static int bind_text(sqlite3_stmt *statement, int column, const char *text)
+{
+    return sqlite3_bind_text(statement, column, text, -1, SQLITE_STATIC);
+}
+
+static int bind_blob(sqlite3_stmt *statement, int column, const void *bytes, size_t size)
+{
+    // Without an address SQLite would bind NULL, which is not an empty blob.
+    return sqlite3_bind_blob64(statement, column, size > 0 ? bytes : "", size, SQLITE_STATIC);
+}
+
+static enum status run_statement(struct journal *journal, sqlite3_stmt *statement, const char *what,
+                                 struct error *error)
+{
+    if (sqlite3_step(statement) == SQLITE_DONE)
+        return STATUS_OK;
+    return journal_failure(journal, what, error);
+}
+
+static enum status insert_run(struct journal *journal, const struct journal_run *run,
+                              struct error *error)
+{
+    sqlite3_stmt *statement =
+        journal_prepare(journal, "INSERT INTO run VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)", error);
+    if (statement == NULL)
+        return STATUS_IO;
+    sqlite3_bind_int64(statement, 1, (int64_t)run->id);
+    bind_text(statement, 2, run->name);
+    bind_text(statement, 3, run->version);
+    bind_text(statement, 4, journal_state_name(run->state));
+    sqlite3_bind_int64(statement, 5, run->search_count);
+    sqlite3_bind_int64(statement, 6, run->started_ns);
+    sqlite3_bind_int64(statement, 7, run->elapsed_ns);
+    enum status status = run_statement(journal, statement, "cannot write the run", error);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+static enum status insert_searches(struct journal *journal, const struct journal_search *searches,
+                                   uint32_t count, struct error *error)
+{
+    sqlite3_stmt *statement =
+        journal_prepare(journal,
+                        "INSERT INTO search (number, name, scenario, scenario_digest, seed) VALUES "
+                        "(?1, ?2, ?3, ?4, ?5)",
+                        error);
+    if (statement == NULL)
+        return STATUS_IO;
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+        const struct journal_search *search = &searches[i];
+        sqlite3_bind_int64(statement, 1, search->index);
+        bind_text(statement, 2, search->name);
+        sqlite3_bind_text64(statement, 3, search->text, search->text_size, SQLITE_STATIC,
+                            SQLITE_UTF8);
+        bind_blob(statement, 4, search->scenario.bytes, DIGEST_SIZE);
+        sqlite3_bind_int64(statement, 5, (int64_t)search->seed);
+        status = run_statement(journal, statement, "cannot write a search", error);
+        sqlite3_reset(statement);
+    }
+    sqlite3_finalize(statement);
+    return status;
+}
+
+static enum status create_contents(struct journal *journal, const struct journal_run *run,
+                                   const struct journal_search *searches, struct error *error)
+{
+    char *schema = g_strdup_printf("BEGIN; PRAGMA application_id = %d; %s"
+                                   "INSERT INTO meta VALUES (%d);",
+                                   JOURNAL_APPLICATION_ID, SCHEMA, JOURNAL_SCHEMA);
+    enum status status = execute(journal, schema, "cannot be created", error);
+    g_free(schema);
+    if (status == STATUS_OK)
+        status = insert_run(journal, run, error);
+    if (status == STATUS_OK)
+        status = insert_searches(journal, searches, run->search_count, error);
+    if (status == STATUS_OK)
+        status = execute(journal, "COMMIT", "cannot be created", error);
+    return status;
+}
+
+// Removes what a failed creation left, so that nothing half-written looks like a run.
+static void remove_files(const char *path)
+{
+    static const char *const SUFFIXES[] = {"", "-wal", "-shm", "-journal"};
+    for (size_t i = 0; i < G_N_ELEMENTS(SUFFIXES); i++) {
+        char *file = g_strconcat(path, SUFFIXES[i], NULL);
+        unlink(file);
+        g_free(file);
+    }
+}
+
+// The first pages go in without an fsync(): nothing is promised before the transaction is whole.
+static enum status create_database(struct journal *journal, const struct journal_run *run,
+                                   const struct journal_search *searches, struct error *error)
+{
+    enum status status =
+        database_open(journal, journal->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, error);
+    if (status == STATUS_OK)
+        status = execute(journal, "PRAGMA synchronous = OFF; PRAGMA journal_mode = WAL",
+                         "cannot be created", error);
+    if (status == STATUS_OK)
+        status = create_contents(journal, run, searches, error);
+    if (status == STATUS_OK)
+        status = writing_start(journal, error);
+    return status;
+}
+
+enum status journal_create(struct journal **result, const char *directory,
+                           const struct journal_run *run, const struct journal_search *searches,
+                           struct error *error)
+{
+    *result = NULL;
+    struct journal *journal = journal_new(directory);
+    enum status status = journal_lock_take(&journal->lock, directory, error);
+    if (status == STATUS_OK && access(journal->path, F_OK) == 0)
+        status = error_set(error, STATUS_IO, "%s: there is a run already; choose another folder",
+                           journal->path);
+    else if (status == STATUS_OK) {
+        status = create_database(journal, run, searches, error);
+        if (status != STATUS_OK) {
+            sqlite3_finalize(journal->append);
+            sqlite3_close(journal->database);
+            journal->append = NULL;
+            journal->database = NULL;
+            remove_files(journal->path);
+        }
+    }
+    if (status != STATUS_OK) {
+        journal_close(journal);
+        return status;
+    }
+    *result = journal;
+    return STATUS_OK;
+}
+
+static void pack_box(GByteArray *bytes, const struct box *box)
+{
+    g_byte_array_set_size(bytes, 0);
+    journal_doubles_put(bytes, box->lower, box->count);
+    journal_doubles_put(bytes, box->upper, box->count);
+}
+
+enum status journal_append(struct journal *journal, const struct journal_step *step,
+                           struct error *error)
+{
+    assert(journal->append != NULL); // opened to write
+    assert(step->samples <= JOURNAL_SAMPLE_MAX);
+    assert(step->box->count <= JOURNAL_VARIABLE_MAX);
+    assert(step->detail < VERDICT_DETAIL_COUNT);
+
+    pack_box(journal->bounds, step->box);
+    journal_doubles_put(journal->bounds, (const double[]){step->growth, step->log_volume}, 2);
+    size_t box_size = 2 * sizeof(double) * step->box->count;
+    g_byte_array_set_size(journal->verdicts,
+                          (guint)verdict_packed_size_max(step->samples, step->detail));
+    size_t verdicts_size =
+        verdict_pack(step->verdicts, step->samples, step->detail, journal->verdicts->data);
+
+    sqlite3_stmt *append = journal->append;
+    sqlite3_bind_int64(append, 1, journal_step_id(step->search, step->step));
+    sqlite3_bind_int64(append, 2, step->search);
+    sqlite3_bind_int64(append, 3, step->step);
+    bind_text(append, 4, step->phase);
+    sqlite3_bind_int64(append, 5, step->samples);
+    sqlite3_bind_int64(append, 6, step->good);
+    sqlite3_bind_double(append, 7, step->growth);
+    sqlite3_bind_double(append, 8, step->log_volume);
+    bind_blob(append, 9, journal->bounds->data + box_size, 2 * sizeof(double));
+    bind_blob(append, 10, journal->bounds->data, box_size);
+    sqlite3_bind_int64(append, 11, step->detail);
+    bind_blob(append, 12, journal->verdicts->data, verdicts_size);
+    enum status status = run_statement(journal, append, "cannot write a step", error);
+    sqlite3_reset(append);
+    return status;
+}
+
+static const char FINISH[] =
+    "UPDATE search SET finished = 1, status = ?2, log_volume = ?3, purity_samples = ?4,"
+    " purity_bad = ?5, purity_estimate = ?6, purity_lower95 = ?7, evaluations = ?8,"
+    " non_finite = ?9, steps = ?10, blocking_constraint = ?11, wall_ns = ?12, exact = ?13,"
+    " bounds = ?14, digest = ?15 WHERE number = ?1";
+
+static void bind_result(sqlite3_stmt *statement, const struct journal_search *search)
+{
+    sqlite3_bind_int64(statement, 1, search->index);
+    bind_text(statement, 2, search->status);
+    sqlite3_bind_double(statement, 3, search->log_volume);
+    sqlite3_bind_int64(statement, 4, (int64_t)search->purity_samples);
+    sqlite3_bind_int64(statement, 5, (int64_t)search->purity_bad);
+    sqlite3_bind_double(statement, 6, search->purity_estimate);
+    sqlite3_bind_double(statement, 7, search->purity_lower95);
+    sqlite3_bind_int64(statement, 8, (int64_t)search->evaluations);
+    sqlite3_bind_int64(statement, 9, (int64_t)search->non_finite);
+    sqlite3_bind_int64(statement, 10, search->steps);
+    bind_text(statement, 11, search->blocking_constraint);
+    sqlite3_bind_int64(statement, 12, search->wall_ns);
+    bind_blob(statement, 15, search->digest.bytes, DIGEST_SIZE);
+}
+
+enum status journal_finish_search(struct journal *journal, const struct journal_search *search,
+                                  struct error *error)
+{
+    assert(journal->append != NULL); // opened to write
+    sqlite3_stmt *statement = journal_prepare(journal, FINISH, error);
+    if (statement == NULL)
+        return STATUS_IO;
+    GByteArray *exact = g_byte_array_new();
+    journal_doubles_put(
+        exact,
+        (const double[]){search->log_volume, search->purity_estimate, search->purity_lower95}, 3);
+    pack_box(journal->bounds, &search->box);
+    bind_result(statement, search);
+    bind_blob(statement, 13, exact->data, exact->len);
+    bind_blob(statement, 14, journal->bounds->data, journal->bounds->len);
+    enum status status = run_statement(journal, statement, "cannot write a result", error);
+    sqlite3_finalize(statement);
+    g_byte_array_unref(exact);
+    if (status == STATUS_OK && sqlite3_changes(journal->database) != 1)
+        status = journal_damaged(journal, "a search of this run is missing", error);
+    return status;
+}
+
+enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,
+                          struct error *error)
+{
+    assert(journal->append != NULL); // opened to write
+    sqlite3_stmt *statement =
+        journal_prepare(journal, "UPDATE run SET state = ?1, elapsed_ns = ?2", error);
+    if (statement == NULL)
+        return STATUS_IO;
+    bind_text(statement, 1, journal_state_name(state));
+    sqlite3_bind_int64(statement, 2, elapsed_ns);
+    enum status status = run_statement(journal, statement, "cannot write its state", error);
+    sqlite3_finalize(statement);
+    return status;
+}

@@ -1,0 +1,286 @@
+// Reading. A run folder may come from anywhere, so what the database says is believed only after
+// its type, its size and its range have been looked at.
+#include "coordinator/journal/journal_inside.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+// ---- columns ----
+// Each returns false when the value is not of the type and range that the writer gives it.
+
+static bool column_u64(sqlite3_stmt *row, int column, uint64_t *value)
+{
+    *value = (uint64_t)sqlite3_column_int64(row, column);
+    return sqlite3_column_type(row, column) == SQLITE_INTEGER;
+}
+
+static bool column_i64(sqlite3_stmt *row, int column, int64_t *value)
+{
+    *value = sqlite3_column_int64(row, column);
+    return sqlite3_column_type(row, column) == SQLITE_INTEGER;
+}
+
+static bool column_u32(sqlite3_stmt *row, int column, uint32_t *value)
+{
+    uint64_t wide;
+    bool fits = column_u64(row, column, &wide) && wide <= UINT32_MAX;
+    *value = fits ? (uint32_t)wide : 0;
+    return fits;
+}
+
+static bool column_text(sqlite3_stmt *row, int column, char *text, size_t size)
+{
+    const unsigned char *bytes = sqlite3_column_text(row, column);
+    size_t length = (size_t)sqlite3_column_bytes(row, column);
+    if (bytes == NULL || length >= size || memchr(bytes, '\0', length) != NULL ||
+        !g_utf8_validate((const char *)bytes, (gssize)length, NULL))
+        return false;
+    memcpy(text, bytes, length);
+    text[length] = '\0';
+    return true;
+}
+
+static bool column_digest(sqlite3_stmt *row, int column, struct digest *digest)
+{
+    const void *bytes = sqlite3_column_blob(row, column);
+    if (bytes == NULL || sqlite3_column_bytes(row, column) != DIGEST_SIZE)
+        return false;
+    memcpy(digest->bytes, bytes, DIGEST_SIZE);
+    return true;
+}
+
+static bool column_doubles(sqlite3_stmt *row, int column, double *values, size_t count)
+{
+    const void *bytes = sqlite3_column_blob(row, column);
+    if (bytes == NULL || (size_t)sqlite3_column_bytes(row, column) != count * sizeof(double))
+        return false;
+    journal_doubles_take(values, count, bytes);
+    return true;
+}
+
+// Makes the box anew when the count differs from the one it has.
+static bool column_box(sqlite3_stmt *row, int column, struct box *box)
+{
+    const uint8_t *bytes = sqlite3_column_blob(row, column);
+    size_t size = (size_t)sqlite3_column_bytes(row, column);
+    size_t count = size / (2 * sizeof(double));
+    if (sqlite3_column_type(row, column) != SQLITE_BLOB || size % (2 * sizeof(double)) != 0 ||
+        count > JOURNAL_VARIABLE_MAX)
+        return false;
+    if (box->count != count) {
+        box_fini(box);
+        box_init(box, (uint32_t)count);
+    }
+    if (count == 0)
+        return true;
+    journal_doubles_take(box->lower, count, bytes);
+    journal_doubles_take(box->upper, count, bytes + count * sizeof(double));
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(box->lower[i]) || !isfinite(box->upper[i]) || box->lower[i] > box->upper[i])
+            return false;
+    return true;
+}
+
+// ---- the run ----
+
+static bool parse_state(const char *name, enum journal_state *state)
+{
+    for (int i = JOURNAL_STATE_RUNNING; i <= JOURNAL_STATE_FAILED; i++)
+        if (strcmp(name, journal_state_name((enum journal_state)i)) == 0) {
+            *state = (enum journal_state)i;
+            return true;
+        }
+    return false;
+}
+
+static bool run_from_row(sqlite3_stmt *row, struct journal_run *run)
+{
+    char state[32];
+    return column_u64(row, 0, &run->id) && column_text(row, 1, run->name, sizeof run->name) &&
+           column_text(row, 2, run->version, sizeof run->version) &&
+           column_text(row, 3, state, sizeof state) && parse_state(state, &run->state) &&
+           column_u32(row, 4, &run->search_count) && column_i64(row, 5, &run->started_ns) &&
+           column_i64(row, 6, &run->elapsed_ns);
+}
+
+enum status journal_read_run(struct journal *journal, struct journal_run *run, struct error *error)
+{
+    *run = (struct journal_run){0};
+    // A run says how many searches it has, and the searches must be there: whoever loops over them
+    // may trust the count.
+    sqlite3_stmt *statement = journal_prepare(
+        journal,
+        "SELECT id, name, version, state, search_count, started_ns, elapsed_ns FROM run"
+        " WHERE search_count = (SELECT count(*) FROM search)",
+        error);
+    if (statement == NULL)
+        return STATUS_IO;
+    enum status status = STATUS_OK;
+    int code = sqlite3_step(statement);
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        status = journal_failure(journal, "cannot read the run", error);
+    else if (code == SQLITE_DONE || !run_from_row(statement, run))
+        status = journal_damaged(journal, "its run is missing or makes no sense", error);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+// ---- searches ----
+
+static bool scenario_from_row(sqlite3_stmt *row, struct journal_search *search)
+{
+    const void *text = sqlite3_column_text(row, 1);
+    if (text == NULL)
+        return false;
+    search->text_size = (size_t)sqlite3_column_bytes(row, 1);
+    search->text = g_malloc(search->text_size + 1);
+    memcpy(search->text, text, search->text_size);
+    search->text[search->text_size] = '\0';
+    return column_text(row, 0, search->name, sizeof search->name) &&
+           column_digest(row, 2, &search->scenario) && column_u64(row, 3, &search->seed);
+}
+
+static bool result_from_row(sqlite3_stmt *row, struct journal_search *search)
+{
+    double exact[3];
+    if (!column_text(row, 5, search->status, sizeof search->status) ||
+        !column_u64(row, 6, &search->purity_samples) || !column_u64(row, 7, &search->purity_bad) ||
+        search->purity_bad > search->purity_samples || !column_u64(row, 8, &search->evaluations) ||
+        !column_u64(row, 9, &search->non_finite) || !column_u32(row, 10, &search->steps) ||
+        !column_text(row, 11, search->blocking_constraint, sizeof search->blocking_constraint) ||
+        !column_i64(row, 12, &search->wall_ns) || !column_doubles(row, 13, exact, 3) ||
+        !column_box(row, 14, &search->box) || !column_digest(row, 15, &search->digest))
+        return false;
+    search->log_volume = exact[0];
+    search->purity_estimate = exact[1];
+    search->purity_lower95 = exact[2];
+    return true;
+}
+
+static bool search_from_row(sqlite3_stmt *row, struct journal_search *search)
+{
+    uint64_t finished;
+    if (!scenario_from_row(row, search) || !column_u64(row, 4, &finished) || finished > 1)
+        return false;
+    search->finished = finished == 1;
+    if (search->finished)
+        return result_from_row(row, search);
+    return column_text(row, 5, search->status, sizeof search->status);
+}
+
+enum status journal_read_search(struct journal *journal, uint32_t index,
+                                struct journal_search *search, struct error *error)
+{
+    *search = (struct journal_search){.index = index};
+    sqlite3_stmt *statement = journal_prepare(
+        journal,
+        "SELECT name, scenario, scenario_digest, seed, finished, status, purity_samples,"
+        " purity_bad, evaluations, non_finite, steps, blocking_constraint, wall_ns, exact, bounds,"
+        " digest FROM search WHERE number = ?1",
+        error);
+    if (statement == NULL)
+        return STATUS_IO;
+    sqlite3_bind_int64(statement, 1, index);
+    enum status status = STATUS_OK;
+    int code = sqlite3_step(statement);
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        status = journal_failure(journal, "cannot read a search", error);
+    else if (code == SQLITE_DONE || !search_from_row(statement, search)) {
+        char what[64];
+        g_snprintf(what, sizeof what, "search %" PRIu32 " is missing or makes no sense", index);
+        status = journal_damaged(journal, what, error);
+    }
+    sqlite3_finalize(statement);
+    if (status != STATUS_OK)
+        journal_search_fini(search);
+    return status;
+}
+
+void journal_search_fini(struct journal_search *search)
+{
+    g_free(search->text);
+    box_fini(&search->box);
+    *search = (struct journal_search){0};
+}
+
+// ---- steps ----
+
+// What a step points to, reused from row to row.
+struct step_memory {
+    struct box box;
+    GArray *verdicts; // of struct verdict
+};
+
+static bool verdicts_from_row(sqlite3_stmt *row, struct journal_step *step, GArray *verdicts)
+{
+    const uint8_t *packed = sqlite3_column_blob(row, 9);
+    size_t size = (size_t)sqlite3_column_bytes(row, 9);
+    // At least a bit a sample: a count that the blob cannot hold is refused before memory is taken.
+    if (step->samples > JOURNAL_SAMPLE_MAX || step->samples > size * 8)
+        return false;
+    g_array_set_size(verdicts, step->samples);
+    struct verdict *unpacked = (struct verdict *)(void *)verdicts->data;
+    step->verdicts = unpacked;
+    return verdict_unpack(unpacked, step->samples, step->detail, UINT8_MAX + 1, packed, size) &&
+           verdict_good_count(unpacked, step->samples) == step->good;
+}
+
+static bool step_from_row(sqlite3_stmt *row, struct journal_step *step, struct step_memory *memory)
+{
+    uint64_t detail;
+    double exact[2];
+    if (!column_u32(row, 0, &step->search) || !column_u32(row, 1, &step->step) ||
+        step->search > INT32_MAX ||
+        sqlite3_column_int64(row, 2) != journal_step_id(step->search, step->step) ||
+        !column_text(row, 3, step->phase, sizeof step->phase) ||
+        !column_u32(row, 4, &step->samples) || !column_u32(row, 5, &step->good) ||
+        !column_doubles(row, 6, exact, 2) || !column_box(row, 7, &memory->box) ||
+        !column_u64(row, 8, &detail) || detail >= VERDICT_DETAIL_COUNT)
+        return false;
+    step->detail = (enum verdict_detail)detail;
+    step->growth = exact[0];
+    step->log_volume = exact[1];
+    step->box = &memory->box;
+    return verdicts_from_row(row, step, memory->verdicts);
+}
+
+static enum status visit_steps(struct journal *journal, sqlite3_stmt *rows,
+                               struct step_memory *memory, journal_visitor *visit, void *user,
+                               struct error *error)
+{
+    int code;
+    while ((code = sqlite3_step(rows)) == SQLITE_ROW) {
+        struct journal_step step = {0};
+        if (!step_from_row(rows, &step, memory)) {
+            char what[64];
+            g_snprintf(what, sizeof what, "step %" PRIu32 " of search %" PRIu32 " makes no sense",
+                       step.step, step.search);
+            return journal_damaged(journal, what, error);
+        }
+        enum status status = visit(user, &step, error);
+        if (status != STATUS_OK)
+            return status;
+    }
+    return code == SQLITE_DONE ? STATUS_OK : journal_failure(journal, "cannot read a step", error);
+}
+
+enum status journal_read_steps(struct journal *journal, uint32_t search, journal_visitor *visit,
+                               void *user, struct error *error)
+{
+    sqlite3_stmt *rows = journal_prepare(
+        journal,
+        "SELECT search, step, id, phase, samples, good, exact, bounds, detail, verdicts FROM step"
+        " WHERE id BETWEEN ?1 AND ?2 ORDER BY id",
+        error);
+    if (rows == NULL)
+        return STATUS_IO;
+    sqlite3_bind_int64(rows, 1, journal_step_id(search, 0));
+    sqlite3_bind_int64(rows, 2, journal_step_id(search, UINT32_MAX));
+    struct step_memory memory = {.verdicts = g_array_new(FALSE, FALSE, sizeof(struct verdict))};
+    enum status status = visit_steps(journal, rows, &memory, visit, user, error);
+    sqlite3_finalize(rows);
+    box_fini(&memory.box);
+    g_array_unref(memory.verdicts);
+    return status;
+}
