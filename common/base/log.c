@@ -3,6 +3,7 @@
 #include "common/base/clock.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <unistd.h>
