@@ -1,15 +1,20 @@
-// The worker's side of the protocol as a pure step machine: batches that arrive for it, the scenario
-// texts and boxes they need, what to evaluate next. It knows no clock, network or thread: the
-// runtime tells it what arrived and when, and carries out what it answers.
+// The worker's side of the protocol as a pure step machine: batches that arrive for it, the
+// scenario texts and boxes they need, what to evaluate next. It knows no clock, network or thread:
+// the runtime tells it what arrived and when, and carries out what it answers.
 //
 //   batch heard -> known scenario and box?  yes -> queued -> taken -> outcome sent
 //                                           no  -> text requested -> text complete -> queued
 //
 // The queue is bounded: a batch that finds it full is dropped, and its lease lapses. So is the
-// number of texts kept: the one unused for longest goes first.
+// number of texts kept: the one unused for longest goes first. A text that nobody sends, however
+// often it is asked for, is given up with the batches that wait for it: their coordinator is gone.
+//
+// A request is answered with all pieces from its offset on. So a missing piece is noticed when the
+// last one arrives, and asked for at once; only the loss of the last one costs an interval.
 #ifndef SOBOX_WORKER_BATCH_INTAKE_H
 #define SOBOX_WORKER_BATCH_INTAKE_H
 
+#include "common/base/error.h"
 #include "common/numeric/digest.h"
 #include "worker/batch/batch.h"
 
@@ -20,10 +25,15 @@
 struct intake;
 
 enum {
-    INTAKE_QUEUE_MAX = 1024,      // batches waiting; thousands would only grow stale
-    INTAKE_SCENARIO_MAX = 64,     // prepared scenarios kept
-    INTAKE_BOX_MAX = 1024,        // boxes kept that came by request
+    INTAKE_QUEUE_MAX = 1024,  // batches waiting or taken; thousands would only grow stale
+    INTAKE_SCENARIO_MAX = 64, // scenarios kept, prepared or asked for
+    INTAKE_BOX_MAX = 1024,    // boxes kept or asked for; not less than the queue is long
+    INTAKE_ASK_MAX = 12,      // requests without an answer, then a text is given up: about 9 s
 };
+
+// A text is asked for again after the first interval, then after twice as long each time.
+#define INTAKE_INTERVAL_MIN_NS INT64_C(50000000)
+#define INTAKE_INTERVAL_MAX_NS INT64_C(1000000000)
 
 // A batch as it came over the wire, already checked field by field.
 struct intake_batch {
@@ -57,19 +67,25 @@ struct intake_request {
 struct intake *intake_create(void);
 void intake_free(struct intake *intake);
 
-// Takes a batch in. A batch (run, search, step, batch) that waits already is not queued twice.
-// Returns false when it was dropped because the queue is full.
-bool intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns);
+// Takes a batch in. One that waits or is taken already (same coordinator, run, search, step, batch
+// and samples) is not queued twice; the number of its last attempt goes into the outcome.
+// Returns STATUS_OK also when it is not queued for that reason.
+// Errors: STATUS_REFUSED (dropped for want of room: the queue is full, or as many scenarios as may
+// be kept are in use), STATUS_INVALID (dropped: its bounds are not those of `box`, not finite,
+// upside down, or not one interval for each variable of the scenario).
+enum status intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns,
+                         struct error *error) MUST_USE;
 
-// Takes a piece of a text in: 0 <= offset, offset + size <= total. Pieces nobody waits for are
-// ignored. A text whose digest is not the one promised, or a scenario that cannot be read, drops the
-// batches that wait for it; the reason goes to `error` (STATUS_OK when all is well).
-struct error;
-void intake_text(struct intake *intake, const struct digest *digest, uint32_t total_size,
-                 uint32_t offset, const uint8_t *piece, uint32_t size, struct error *error);
+// Takes a piece of a text in: 0 < size, offset + size <= total. Pieces nobody waits for are
+// ignored, and so are sizes that no text can have. Errors: STATUS_INVALID (batches were dropped:
+// the text is not the one promised, or a scenario that cannot be read, or a box that is none or
+// does not fit its scenario).
+enum status intake_text(struct intake *intake, const struct digest *digest, uint32_t total_size,
+                        uint32_t offset, const uint8_t *piece, uint32_t size, int64_t now_ns,
+                        struct error *error) MUST_USE;
 
-// Fills in the next text to ask for, and marks it asked at `now_ns`; the same text is asked for
-// again after 50 ms, later at growing intervals. False when there is none to ask for now.
+// Fills in the next text to ask for, and marks it asked at `now_ns`. False when there is none to
+// ask for now. Call it until it says so.
 bool intake_request(struct intake *intake, int64_t now_ns, struct intake_request *request);
 
 // When intake_request() may next have something; INT64_MAX when no text is missing.
@@ -81,7 +97,7 @@ bool intake_take(struct intake *intake, struct intake_work *work);
 // The batch has been evaluated: its scenario and box may go when they are no longer needed.
 void intake_done(struct intake *intake, const struct intake_work *work);
 
-// Batches waiting or taken.
+// Batches waiting or taken, those that wait for a text included.
 uint32_t intake_queue(const struct intake *intake);
 
 #endif

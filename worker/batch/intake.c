@@ -1,0 +1,315 @@
+#include "worker/batch/intake.h"
+
+#include "worker/batch/store.h"
+
+#include <assert.h>
+#include <glib.h>
+
+// A batch between its arrival and intake_done().
+struct queued {
+    struct intake_batch batch; // bounds NULL
+    uint64_t arrival;          // 0, 1, 2, ...
+    struct item *scenario;
+    struct item *box;
+    GList link; // in one of the intake's lists while it is not taken
+    bool taken;
+};
+
+struct intake {
+    struct store store;
+    GHashTable *batches; // every struct queued, by its identity
+    GQueue waiting;      // for a text, in the order of arrival
+    GQueue ready;        // to be evaluated, in the order of arrival
+    uint64_t arrivals;
+};
+
+// FNV-1a over the words that name a batch.
+static guint identity_hash(gconstpointer key)
+{
+    const struct intake_batch *batch = &((const struct queued *)key)->batch;
+    const uint64_t words[] = {batch->coordinator,           batch->run,
+                              batch->batch.sampling.search, batch->batch.sampling.step,
+                              batch->batch_index,           batch->batch.first};
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < G_N_ELEMENTS(words); i++)
+        hash = (hash ^ words[i]) * UINT64_C(1099511628211);
+    return (guint)(hash >> 32);
+}
+
+static gboolean identity_same(gconstpointer left, gconstpointer right)
+{
+    const struct intake_batch *a = &((const struct queued *)left)->batch;
+    const struct intake_batch *b = &((const struct queued *)right)->batch;
+    return a->coordinator == b->coordinator && a->run == b->run &&
+           a->batch.sampling.search == b->batch.sampling.search &&
+           a->batch.sampling.step == b->batch.sampling.step && a->batch_index == b->batch_index &&
+           a->batch.first == b->batch.first && a->batch.count == b->batch.count &&
+           digest_equal(&a->scenario, &b->scenario) && digest_equal(&a->box, &b->box);
+}
+
+struct intake *intake_create(void)
+{
+    _Static_assert((int)INTAKE_BOX_MAX >= (int)INTAKE_QUEUE_MAX,
+                   "each queued batch may hold a box of its own: keep at least as many");
+    struct intake *intake = g_new0(struct intake, 1);
+    store_init(&intake->store, INTAKE_SCENARIO_MAX, INTAKE_BOX_MAX);
+    intake->batches = g_hash_table_new_full(identity_hash, identity_same, NULL, g_free);
+    g_queue_init(&intake->waiting);
+    g_queue_init(&intake->ready);
+    return intake;
+}
+
+void intake_free(struct intake *intake)
+{
+    if (intake == NULL)
+        return;
+    g_hash_table_unref(intake->batches);
+    store_fini(&intake->store);
+    g_free(intake);
+}
+
+// Forgets a batch that is in none of the lists.
+static void queued_forget(struct intake *intake, struct queued *queued)
+{
+    store_release(&intake->store, queued->scenario);
+    store_release(&intake->store, queued->box);
+    g_hash_table_remove(intake->batches, queued);
+}
+
+static enum status queued_check(const struct queued *queued, struct error *error)
+{
+    uint32_t wanted = queued->scenario->scenario.design_space.count;
+    uint32_t found = queued->box->box.count;
+    if (found != wanted)
+        return error_set(error, STATUS_INVALID, "a box of %u variables, the scenario has %u", found,
+                         wanted);
+    return STATUS_OK;
+}
+
+// Puts a batch that misses nothing in its place among the ready ones; most often the last.
+static void queued_ready(struct intake *intake, struct queued *queued)
+{
+    GList *before = intake->ready.tail;
+    while (before != NULL && ((struct queued *)before->data)->arrival > queued->arrival)
+        before = before->prev;
+    if (before == NULL)
+        g_queue_push_head_link(&intake->ready, &queued->link);
+    else
+        g_queue_insert_after_link(&intake->ready, before, &queued->link);
+}
+
+// Moves a batch that is in no list to where it belongs now, or forgets it.
+static enum status queued_place(struct intake *intake, struct queued *queued, struct error *error)
+{
+    if (!queued->scenario->ready || !queued->box->ready) {
+        g_queue_push_tail_link(&intake->waiting, &queued->link);
+        return STATUS_OK;
+    }
+    enum status status = queued_check(queued, error);
+    if (status == STATUS_OK)
+        queued_ready(intake, queued);
+    else
+        queued_forget(intake, queued);
+    return status;
+}
+
+// An item has become ready: places the batches that waited for it anew.
+static enum status waiting_place(struct intake *intake, const struct item *item,
+                                 struct error *error)
+{
+    enum status status = STATUS_OK;
+    GList *next;
+    for (GList *link = intake->waiting.head; link != NULL; link = next) {
+        struct queued *queued = link->data;
+        next = link->next;
+        if ((queued->scenario != item && queued->box != item) || !queued->scenario->ready ||
+            !queued->box->ready)
+            continue;
+        g_queue_unlink(&intake->waiting, link);
+        if (queued_place(intake, queued, error) != STATUS_OK)
+            status = STATUS_INVALID;
+    }
+    return status;
+}
+
+// An item will never become ready: forgets the batches that waited for it, and with the last of
+// them the item.
+static void waiting_drop(struct intake *intake, const struct item *item)
+{
+    GList *next;
+    for (GList *link = intake->waiting.head; link != NULL; link = next) {
+        struct queued *queued = link->data;
+        next = link->next;
+        if (queued->scenario != item && queued->box != item)
+            continue;
+        g_queue_unlink(&intake->waiting, link);
+        queued_forget(intake, queued);
+    }
+}
+
+static struct queued *queued_create(struct intake *intake, const struct intake_batch *batch,
+                                    int64_t now_ns)
+{
+    struct item *scenario =
+        store_acquire(&intake->store, ITEM_SCENARIO, &batch->scenario, batch->run, now_ns);
+    if (scenario == NULL)
+        return NULL;
+    struct item *box = store_acquire(&intake->store, ITEM_BOX, &batch->box, batch->run, now_ns);
+    if (box == NULL) {
+        store_release(&intake->store, scenario);
+        return NULL;
+    }
+    struct queued *queued = g_new0(struct queued, 1);
+    queued->batch = *batch;
+    queued->batch.bounds = NULL;
+    queued->batch.bound_count = 0;
+    queued->arrival = intake->arrivals++;
+    queued->scenario = scenario;
+    queued->box = box;
+    queued->link.data = queued;
+    g_hash_table_add(intake->batches, queued);
+    return queued;
+}
+
+enum status intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns,
+                         struct error *error)
+{
+    const struct queued identity = {.batch = *batch};
+    struct queued *queued = g_hash_table_lookup(intake->batches, &identity);
+    if (queued != NULL) {
+        queued->batch.attempt = MAX(queued->batch.attempt, batch->attempt);
+        return STATUS_OK;
+    }
+    if (g_hash_table_size(intake->batches) >= INTAKE_QUEUE_MAX)
+        return error_set(error, STATUS_REFUSED, "%d batches wait already", INTAKE_QUEUE_MAX);
+    queued = queued_create(intake, batch, now_ns);
+    if (queued == NULL)
+        return error_set(error, STATUS_REFUSED, "%d scenarios are in use already",
+                         INTAKE_SCENARIO_MAX);
+    struct item *box = queued->box;
+    if (batch->bound_count == 0 || box->ready)
+        return queued_place(intake, queued, error);
+    enum status status =
+        store_finish_box(&intake->store, box, batch->bounds, batch->bound_count, error);
+    if (status != STATUS_OK) {
+        queued_forget(intake, queued);
+        return status;
+    }
+    status = waiting_place(intake, box, error);
+    enum status own = queued_place(intake, queued, error);
+    return status == STATUS_OK ? own : status;
+}
+
+static enum status intake_piece(struct intake *intake, struct item *item, uint32_t total_size,
+                                uint32_t offset, const uint8_t *piece, uint32_t size,
+                                int64_t now_ns, struct error *error)
+{
+    switch (store_piece(&intake->store, item, total_size, offset, piece, size)) {
+    case TEXT_NOTHING:
+        return STATUS_OK;
+    case TEXT_MORE:
+    case TEXT_GAP:
+        break;
+    case TEXT_WHOLE:
+        if (store_finish(&intake->store, item, error) == STATUS_OK)
+            return waiting_place(intake, item, error);
+        waiting_drop(intake, item);
+        return STATUS_INVALID;
+    }
+    bool gap = offset + size == total_size;
+    item->interval_ns = INTAKE_INTERVAL_MIN_NS;
+    item->ask_ns = gap ? now_ns : now_ns + item->interval_ns;
+    item->asked_count = 0;
+    return STATUS_OK;
+}
+
+enum status intake_text(struct intake *intake, const struct digest *digest, uint32_t total_size,
+                        uint32_t offset, const uint8_t *piece, uint32_t size, int64_t now_ns,
+                        struct error *error)
+{
+    static const char *const kind_name[ITEM_KIND_COUNT] = {"scenario", "box"};
+    enum status status = STATUS_OK;
+    // A digest may have been asked for under both kinds; only nonsense makes it so, but it must do
+    // no harm.
+    for (int kind = 0; kind < ITEM_KIND_COUNT; kind++) {
+        struct item *item = store_missing(&intake->store, kind, digest);
+        if (item == NULL ||
+            intake_piece(intake, item, total_size, offset, piece, size, now_ns, error) == STATUS_OK)
+            continue;
+        char hex[DIGEST_HEX_SIZE];
+        status = STATUS_INVALID;
+        if (error != NULL)
+            error_wrap(error, "%s %s", kind_name[kind], digest_hex(digest, hex));
+    }
+    return status;
+}
+
+// The first item that is due to be asked for, or NULL.
+static struct item *item_due(const struct intake *intake, int64_t now_ns)
+{
+    for (GList *link = intake->store.missing.head; link != NULL; link = link->next) {
+        struct item *item = link->data;
+        if (item->ask_ns <= now_ns)
+            return item;
+    }
+    return NULL;
+}
+
+bool intake_request(struct intake *intake, int64_t now_ns, struct intake_request *request)
+{
+    struct item *item = item_due(intake, now_ns);
+    while (item != NULL && item->asked_count == INTAKE_ASK_MAX) {
+        waiting_drop(intake, item);
+        item = item_due(intake, now_ns);
+    }
+    if (item == NULL)
+        return false;
+    item->interval_ns =
+        CLAMP(2 * item->interval_ns, INTAKE_INTERVAL_MIN_NS, INTAKE_INTERVAL_MAX_NS);
+    item->ask_ns = now_ns + item->interval_ns;
+    item->asked_count++;
+    *request = (struct intake_request){
+        .run = item->run,
+        .digest = item->digest,
+        .offset = text_missing(&item->text),
+    };
+    return true;
+}
+
+int64_t intake_wake_ns(const struct intake *intake)
+{
+    int64_t wake_ns = INT64_MAX;
+    for (const GList *link = intake->store.missing.head; link != NULL; link = link->next)
+        wake_ns = MIN(wake_ns, ((const struct item *)link->data)->ask_ns);
+    return wake_ns;
+}
+
+bool intake_take(struct intake *intake, struct intake_work *work)
+{
+    GList *link = g_queue_pop_head_link(&intake->ready);
+    if (link == NULL)
+        return false;
+    struct queued *queued = link->data;
+    queued->taken = true;
+    *work = (struct intake_work){
+        .identity = queued->batch,
+        .scenario = &queued->scenario->scenario,
+        .model = queued->scenario->model,
+        .box = &queued->box->box,
+    };
+    return true;
+}
+
+void intake_done(struct intake *intake, const struct intake_work *work)
+{
+    const struct queued identity = {.batch = work->identity};
+    struct queued *queued = g_hash_table_lookup(intake->batches, &identity);
+    assert(queued != NULL);
+    assert(queued->taken);
+    queued_forget(intake, queued);
+}
+
+uint32_t intake_queue(const struct intake *intake)
+{
+    return g_hash_table_size(intake->batches);
+}
