@@ -1,5 +1,6 @@
 #include "common/base/error.h"
 
+#include <glib.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,10 +25,10 @@ enum status error_wrap(struct error *error, const char *format, ...)
     char text[ERROR_TEXT_SIZE];
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(text, sizeof text, format, arguments);
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (length >= 0 && (size_t)length < sizeof text)
-        snprintf(text + length, sizeof text - (size_t)length, ": %s", error->text);
+    g_strlcat(text, ": ", sizeof text);
+    g_strlcat(text, error->text, sizeof text);
     memcpy(error->text, text, sizeof text);
     return error->status;
 }
