@@ -1,0 +1,140 @@
+#include "common/scenario/scenario.h"
+
+#include "common/scenario/words.h"
+
+#include <assert.h>
+#include <glib.h>
+#include <stdio.h>
+#include <string.h>
+
+const char *const scenario_model_words[] = {
+    [SCENARIO_MODEL_SMALL_OVERLAP] = "small_overlap",
+    NULL,
+};
+const char *const scenario_profile_words[] = {
+    [SCENARIO_PROFILE_FLAT] = "flat",
+    [SCENARIO_PROFILE_ROUNDED] = "rounded",
+    NULL,
+};
+const char *const scenario_integrator_words[] = {
+    [SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE] = "central_difference",
+    [SCENARIO_INTEGRATOR_VELOCITY_VERLET] = "velocity_verlet",
+    [SCENARIO_INTEGRATOR_RUNGE_KUTTA_4] = "runge_kutta_4",
+    NULL,
+};
+const char *const scenario_response_words[] = {
+    [SCENARIO_RESPONSE_ANY] = "any",
+    [SCENARIO_RESPONSE_ROTATING] = "rotating",
+    [SCENARIO_RESPONSE_GLANCING_OFF] = "glancing_off",
+    NULL,
+};
+const char *const scenario_sampling_words[] = {
+    [SCENARIO_SAMPLING_UNIFORM] = "uniform",
+    [SCENARIO_SAMPLING_LATIN_HYPERCUBE] = "latin_hypercube",
+    [SCENARIO_SAMPLING_SOBOL] = "sobol",
+    NULL,
+};
+
+static const struct {
+    const char *name;
+    const char *unit;
+} outcomes[] = {
+#define OUTCOME_ENTRY(enumerator, text, si_unit, meaning) \
+    [enumerator] = {.name = text, .unit = si_unit},
+    OUTCOME_LIST(OUTCOME_ENTRY)
+#undef OUTCOME_ENTRY
+};
+
+void scenario_init(struct scenario *scenario)
+{
+    *scenario = (struct scenario){
+        .model = SCENARIO_MODEL_SMALL_OVERLAP,
+        .barrier = {.width = 1.15, .edge_radius = 0.15, .profile = SCENARIO_PROFILE_FLAT},
+        .simulation =
+            {
+                .duration = 0.150,
+                .time_step = 1.0e-3,
+                .integrator = SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE,
+            },
+        .search =
+            {
+                .samples = 200,
+                .exploration_steps = 100,
+                .consolidation_steps = 100,
+                .certificate_samples = 10000,
+                .target_purity = 0.99,
+                .seed = 1,
+                .sampling = SCENARIO_SAMPLING_UNIFORM,
+            },
+    };
+}
+
+void scenario_fini(struct scenario *scenario)
+{
+    g_free(scenario->springs);
+    g_free(scenario->variables);
+    box_fini(&scenario->design_space);
+    g_free(scenario->constraints);
+    g_free(scenario->text);
+    *scenario = (struct scenario){0};
+}
+
+uint32_t scenario_outcome_count(const struct scenario *scenario)
+{
+    return OUTCOME_ENERGY_ABSORBED + scenario->spring_count;
+}
+
+uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name)
+{
+    uint32_t count = scenario_outcome_count(scenario);
+    char candidate[SCENARIO_NAME_SIZE + 32];
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(scenario_outcome_name(scenario, i, candidate), name) == 0)
+            return i;
+    }
+    return count;
+}
+
+const char *scenario_outcome_name(const struct scenario *scenario, uint32_t outcome,
+                                  char name[SCENARIO_NAME_SIZE + 32])
+{
+    assert(outcome < scenario_outcome_count(scenario));
+    if (outcome < OUTCOME_ENERGY_ABSORBED)
+        g_strlcpy(name, outcomes[outcome].name, SCENARIO_NAME_SIZE + 32);
+    else
+        snprintf(name, SCENARIO_NAME_SIZE + 32, "energy_absorbed.%s",
+                 scenario->springs[outcome - OUTCOME_ENERGY_ABSORBED].name);
+    return name;
+}
+
+const char *scenario_outcome_unit(const struct scenario *scenario, uint32_t outcome)
+{
+    assert(outcome < scenario_outcome_count(scenario));
+    return outcome < OUTCOME_ENERGY_ABSORBED ? outcomes[outcome].unit : "J";
+}
+
+const char *scenario_response_name(enum scenario_response response)
+{
+    return scenario_response_words[response];
+}
+
+const char *scenario_integrator_name(enum scenario_integrator integrator)
+{
+    return scenario_integrator_words[integrator];
+}
+
+const char *scenario_sampling_name(enum scenario_sampling sampling)
+{
+    return scenario_sampling_words[sampling];
+}
+
+const char *scenario_profile_name(enum scenario_profile profile)
+{
+    return scenario_profile_words[profile];
+}
+
+const char *scenario_direction_name(enum scenario_direction direction)
+{
+    static const char *const names[] = {[SCENARIO_DIRECTION_X] = "x", [SCENARIO_DIRECTION_Y] = "y"};
+    return names[direction];
+}
