@@ -25,7 +25,8 @@ enum {
     OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
     STATUS_INTERVAL_MS = 1000,
     SEARCH_STATUS_INTERVAL_MS = 100,
-    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
+    SEARCH_STATUS_BURST = 32, // searches told of at once; thousands take turns
+    TEXT_PIECES_MAX = 64,     // answered to one request; the worker asks on from there
 };
 
 // Nobody has answered for so long: say what is being waited for.
@@ -44,7 +45,8 @@ struct coordinator {
     struct texts *texts;
     struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
-    GQueue ready; // indexes of searches whose step is sampled, or that have not begun
+    GQueue ready;  // indexes of searches whose step is sampled, or that have not begun
+    uint32_t told; // the search whose turn it is to be told of
     GMainLoop *loop;
     GSource *wake;      // the schedule's next deadline
     int64_t waiting_ns; // since when no worker is there; 0 while there is one
@@ -384,9 +386,14 @@ static gboolean tell_status(gpointer user)
 static gboolean tell_searches(gpointer user)
 {
     struct coordinator *coordinator = user;
-    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++) {
-        if (coordinator->run->searches[i].active)
-            publish_search_status(coordinator, i);
+    const struct run *run = coordinator->run;
+    uint32_t burst = SEARCH_STATUS_BURST;
+    for (uint32_t i = 0; i < run->record.search_count && burst > 0; i++) {
+        coordinator->told = (coordinator->told + 1) % run->record.search_count;
+        if (!run->searches[coordinator->told].active)
+            continue;
+        publish_search_status(coordinator, coordinator->told);
+        burst--;
     }
     return G_SOURCE_CONTINUE;
 }
