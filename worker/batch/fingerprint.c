@@ -26,6 +26,7 @@ static const char fingerprint_scenario[] =
     "    force_x: {lower: 0, upper: 200e3}\n"
     "    force_y: {lower: -50e3, upper: 50e3}\n"
     "response: rotating\n"
+    "firewall_distance: 0.25\n"
     "constraints: {yaw_deg: {min: -20, max: 20}}\n";
 
 enum {

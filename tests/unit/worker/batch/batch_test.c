@@ -1,0 +1,231 @@
+#include "worker/batch/batch.h"
+
+#include "common/scenario/scenario_read.h"
+#include "worker/batch/fingerprint.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { STRIDE = 3, SAMPLES = 1000 };
+
+static const char text[] = "name: batch\n"
+                           "vehicle: {mass: 1650, yaw_inertia: 3000, speed: 17.889}\n"
+                           "barrier: {face_x: -2.08, edge_y: -0.455, overlap: 0.455}\n"
+                           "springs:\n"
+                           "  - name: front\n"
+                           "    position: [-0.83, -0.75]\n"
+                           "    deformation: [0.0, 0.6, 1.2]\n"
+                           "    force_x: {lower: 0, upper: [80e3, 450e3, 450e3]}\n"
+                           "    force_y: {lower: 0, upper: 250e3}\n"
+                           "response: any\n"
+                           "firewall_distance: 0.25\n";
+
+static struct scenario scenario;
+static struct model *model;
+
+static int set_up(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    if (scenario_read_text(&scenario, "batch", text, strlen(text), NULL, 0, &error) != STATUS_OK) {
+        print_error("%s\n", error.text);
+        return -1;
+    }
+    model = model_create(&scenario);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    model_free(model);
+    scenario_fini(&scenario);
+    return 0;
+}
+
+// The verdict on outcomes that are all 0 but s_L and yaw, under three constraints made by hand:
+// s_L >= 0.25 on a scale of 0.5, -20 <= yaw <= 20 on a scale of 40, s_L <= 1 on a scale of 2.
+static struct verdict judged(double s_l, double yaw)
+{
+    struct scenario_constraint constraints[] = {
+        {.outcome = OUTCOME_S_L, .min = 0.25, .max = INFINITY, .scale = 0.5},
+        {.outcome = OUTCOME_YAW_DEG, .min = -20, .max = 20, .scale = 40},
+        {.outcome = OUTCOME_S_L, .min = -INFINITY, .max = 1, .scale = 2},
+    };
+    struct scenario by_hand = {
+        .spring_count = 1, .constraints = constraints, .constraint_count = 3};
+    double outcomes[(OUTCOME_ENERGY_ABSORBED + 1) * STRIDE] = {0};
+    for (size_t i = 1; i < sizeof outcomes / sizeof outcomes[0]; i += STRIDE)
+        outcomes[i] = outcomes[i + 1] = NAN; // other samples' lanes: not to be looked at
+    outcomes[OUTCOME_S_L * STRIDE] = s_l;
+    outcomes[OUTCOME_YAW_DEG * STRIDE] = yaw;
+    return batch_verdict(&by_hand, outcomes, STRIDE);
+}
+
+static void assert_verdict(struct verdict verdict, uint8_t constraint, double relative)
+{
+    assert_int_equal(verdict.violation, verdict_violation(relative));
+    assert_int_equal(verdict.constraint, constraint);
+}
+
+// On and within the bounds a design is good.
+static void design_within_bounds_is_good(void **state)
+{
+    (void)state;
+    assert_verdict(judged(0.5, 0), 0, 0);
+    assert_verdict(judged(0.25, -20), 0, 0);
+    assert_verdict(judged(1, 20), 0, 0);
+}
+
+// The violation is the distance to the bound on the constraint's scale, whichever side is passed.
+static void violation_is_relative_to_the_scale(void **state)
+{
+    (void)state;
+    assert_verdict(judged(0.0, 0), 0, 0.5);
+    assert_verdict(judged(0.5, 30), 1, 0.25);
+    assert_verdict(judged(0.5, -40), 1, 0.5);
+    assert_verdict(judged(2, 0), 2, 0.5);
+}
+
+// Of several violated constraints the one with the greatest relative violation stands in the
+// verdict, and the first of those that are equal on the scale.
+static void worst_constraint_is_named(void **state)
+{
+    (void)state;
+    assert_verdict(judged(0.0, 60), 1, 1);
+    assert_verdict(judged(-1, 60), 0, 2.5);
+    assert_verdict(judged(0.0, 40), 0, 0.5);
+    assert_verdict(judged(2, 40), 1, 0.5);
+    assert_verdict(judged(0.0, 40.000001), 0, 0.5); // equal on the scale, if not in the number
+}
+
+// An outcome that is no number is the worst there is, wherever it stands.
+static void non_finite_outcome_is_worst(void **state)
+{
+    (void)state;
+    assert_verdict(judged(NAN, 1e6), 0, INFINITY);
+    assert_verdict(judged(0.0, NAN), 1, INFINITY);
+    assert_verdict(judged(INFINITY, 0), 0, INFINITY);
+    assert_verdict(judged(0.5, -INFINITY), 1, INFINITY);
+
+    double outcomes[OUTCOME_ENERGY_ABSORBED + 1] = {[OUTCOME_S_L] = 0.5};
+    outcomes[OUTCOME_TRAVEL_Y] = NAN; // no constraint concerns it
+    assert_verdict(batch_verdict(&scenario, outcomes, 1), 0, INFINITY);
+}
+
+static struct batch batch_of(uint32_t first, uint32_t count)
+{
+    return (struct batch){
+        .sampling = {.seed = 9, .search = 2, .step = 5, .samples = SAMPLES},
+        .first = first,
+        .count = count,
+    };
+}
+
+static uint32_t evaluate(uint32_t first, uint32_t count, int threads, struct verdict *verdicts)
+{
+    struct batch batch = batch_of(first, count);
+    return batch_evaluate(&scenario, model, &scenario.design_space, &batch, threads, verdicts);
+}
+
+static void assert_verdicts_equal(const struct verdict *a, const struct verdict *b, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        assert_int_equal(a[i].violation, b[i].violation);
+        assert_int_equal(a[i].constraint, b[i].constraint);
+    }
+}
+
+// The design space of the test has good and bad designs, or the tests below would compare nothing.
+static void design_space_has_good_and_bad_designs(void **state)
+{
+    (void)state;
+    struct verdict verdicts[SAMPLES];
+    assert_int_equal(evaluate(0, SAMPLES, 1, verdicts), 0);
+    uint32_t good = verdict_good_count(verdicts, SAMPLES);
+    assert_in_range(good, SAMPLES / 50, SAMPLES - SAMPLES / 50);
+}
+
+// Any number of threads gives the same verdicts, more threads than blocks included.
+static void thread_count_does_not_matter(void **state)
+{
+    (void)state;
+    static const int threads[] = {1, 2, 7, 40};
+    struct verdict one[SAMPLES], many[SAMPLES];
+    evaluate(0, SAMPLES, 1, one);
+    for (size_t i = 0; i < sizeof threads / sizeof threads[0]; i++) {
+        memset(many, 0xAA, sizeof many);
+        assert_int_equal(evaluate(0, SAMPLES, threads[i], many), 0);
+        assert_verdicts_equal(one, many, SAMPLES);
+    }
+}
+
+// A step cut into batches at any place gives the verdicts of the whole: no sample depends on its
+// lane, its block or its batch.
+static void pieces_of_a_step_make_the_whole(void **state)
+{
+    (void)state;
+    struct verdict whole[SAMPLES], pieces[SAMPLES];
+    evaluate(0, SAMPLES, 2, whole);
+    static const uint32_t size[] = {1, 63, 64, 65, 200, 7};
+    uint32_t first = 0;
+    for (size_t i = 0; first < SAMPLES; i++) {
+        uint32_t left = SAMPLES - first;
+        uint32_t count = size[i % 6] < left ? size[i % 6] : left;
+        assert_int_equal(evaluate(first, count, 2, pieces + first), 0);
+        first += count;
+    }
+    assert_verdicts_equal(whole, pieces, SAMPLES);
+}
+
+// The verdicts are those of the outcomes that the model gives for the samples, one by one.
+static void verdicts_are_those_of_each_sample(void **state)
+{
+    (void)state;
+    enum { FIRST = 17, COUNT = 70 };
+    struct verdict verdicts[COUNT];
+    evaluate(FIRST, COUNT, 1, verdicts);
+    struct batch batch = batch_of(FIRST, COUNT);
+    uint32_t variables = model_variable_count(model), outcomes = model_outcome_count(model);
+    double *values = aligned_alloc(64, variables * MODEL_BLOCK * sizeof *values);
+    double *outcome = aligned_alloc(64, outcomes * MODEL_BLOCK * sizeof *outcome);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        sampling_fill(&batch.sampling, &scenario.design_space, FIRST + i, 1, values, MODEL_BLOCK);
+        model_evaluate(model, 1, values, outcome);
+        struct verdict verdict = batch_verdict(&scenario, outcome, MODEL_BLOCK);
+        assert_verdicts_equal(&verdict, &verdicts[i], 1);
+    }
+    free(values);
+    free(outcome);
+}
+
+// Two workers of one version must come to the same fingerprint, or none would be accepted.
+static void fingerprint_is_the_same_each_time(void **state)
+{
+    (void)state;
+    struct digest first = fingerprint_compute();
+    struct digest second = fingerprint_compute();
+    assert_true(digest_equal(&first, &second));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(design_within_bounds_is_good),
+        cmocka_unit_test(violation_is_relative_to_the_scale),
+        cmocka_unit_test(worst_constraint_is_named),
+        cmocka_unit_test(non_finite_outcome_is_worst),
+        cmocka_unit_test(design_space_has_good_and_bad_designs),
+        cmocka_unit_test(thread_count_does_not_matter),
+        cmocka_unit_test(pieces_of_a_step_make_the_whole),
+        cmocka_unit_test(verdicts_are_those_of_each_sample),
+        cmocka_unit_test(fingerprint_is_the_same_each_time),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
