@@ -1,0 +1,622 @@
+// The kernel: a bundle of designs from the first contact to the end. Written once, compiled once
+// per instruction set (kernel_plain.c, kernel_avx2.c, kernel_avx512.c); lanes.h says how.
+//
+// Seen from the vehicle a spring is simple: it lies along the x axis at height p_y, so P2 = (e,
+// p_y) with one unknown, its place e. With X = x_COG - x_B, eq. 6.10 to 6.12 and 6.40 become
+//
+//     e        = p_y tan(yaw) - X / cos(yaw)                 the same two numbers for all springs
+//     s        = (length - p_x) + e                          deformation
+//     y_P2     = (y_COG - X tan(yaw)) + p_y / cos(yaw)
+//     M_z      = e F_y - p_y F_x                             forces in vehicle axes
+//     power    = F_x (v_x - p_y omega) + F_y (v_y + e omega) velocities in vehicle axes
+//
+// so that a spring costs some twenty operations a step and forces are turned into road axes once.
+#ifndef SOBOX_WORKER_KINEMATICS_KERNEL_H
+#define SOBOX_WORKER_KINEMATICS_KERNEL_H
+
+#include "worker/kinematics/lanes.h"
+#include "worker/kinematics/problem.h"
+#include "worker/kinematics/trigonometry.h"
+
+#include <math.h>
+
+enum {
+    // Forces of a design that fit the scratch, which is 0.5 MB of coefficients on every path: the
+    // widest serves 4096 forces, larger problems take a narrower one.
+    KERNEL_COEFFICIENTS = 65536,
+    KERNEL_VALUES = KERNEL_COEFFICIENTS / LANES,
+};
+
+// What a bundle needs beside registers. Each array has a bundle per entry.
+struct kernel_scratch {
+    double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
+    double reference[KINEMATICS_SPRING_MAX * LANES]; // [m] deformation beyond which a spring loads
+    double force_x[KINEMATICS_SPRING_MAX * LANES];   // [N] in vehicle axes
+    double force_y[KINEMATICS_SPRING_MAX * LANES];   // [N]
+    double place[KINEMATICS_SPRING_MAX * LANES];     // [m] e
+    double work[KINEMATICS_SPRING_MAX * LANES];      // [J] done on the vehicle so far
+    double contact[KINEMATICS_SPRING_MAX * LANES];   // 0 or 1; kept only while recording
+};
+
+// Place and change of place. The leapfrog schemes keep the way of one step in `rate`, Runge-Kutta
+// the velocity.
+struct kernel_motion {
+    struct lanes x, y, yaw; // [m] from the face, [m], [rad]
+};
+
+// What all springs share at one time.
+struct kernel_pose {
+    struct lanes magnitude;    // |yaw|
+    struct lanes sine, cosine; // of yaw
+    struct lanes inverse;      // 1 / cos
+    struct lanes tangent;
+    struct lanes axial;         // [m] X / cos
+    struct lanes crossing;      // [m] y_COG - X tan: where the vehicle's axis meets the face
+    struct lanes_mask forwards; // cos > 0
+};
+
+// Sums over the springs, and what spring 0 did.
+struct kernel_load {
+    struct lanes x, y;   // [N] in road axes
+    struct lanes moment; // [Nm]
+    struct lanes_mask contact;
+    struct lanes_mask first_contact;
+    struct lanes first_deformation; // [m]
+    struct lanes first_projection;  // [m] y_P2
+};
+
+// Where one spring is.
+struct kernel_place {
+    struct lanes place;          // [m] e
+    struct lanes projection;     // [m] y_P2
+    struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
+    struct lanes normal_y;       //
+    struct lanes_mask projected; // P2 lies on the barrier
+};
+
+// What is gathered on the way.
+struct kernel_observed {
+    struct lanes yaw_max;
+    struct lanes force_max;
+    struct lanes force_sum;
+    struct lanes contact_steps;
+    struct lanes deformation_last;
+    struct lanes deformation_max;
+};
+
+// One row of a value's matrix for this bundle; missing designs are zero.
+LANES_INLINE struct lanes kernel_values(const double *values, uint32_t count)
+{
+    if (count >= LANES) {
+        return lanes_load(values);
+    }
+    double padded[LANES];
+    for (uint32_t i = 0; i < LANES; i++) {
+        padded[i] = i < count ? values[i] : 0.0;
+    }
+    return lanes_load(padded);
+}
+
+// The coefficients of one branch in one direction (problem.h) from its forces. The two directions
+// of a point stand side by side.
+LANES_INLINE void kernel_curve_coefficients(const struct kinematics_problem *problem,
+                                            const struct problem_curve *curve, uint32_t direction,
+                                            uint32_t count, const double *values, size_t stride,
+                                            double *coefficients)
+{
+    const double *deformation = problem->deformation + curve->point;
+    const double *inverse_width = problem->inverse_width + curve->point;
+    values += (size_t)(curve->value + direction * curve->point_count) * stride;
+    coefficients += (size_t)(curve->value + direction) * LANES;
+    struct lanes force = kernel_values(values, count);
+    struct lanes constant = force;
+    struct lanes slope_before = lanes_set(0.0);
+    for (uint32_t i = 0; i + 1 < curve->point_count; i++) {
+        const struct lanes force_next = kernel_values(values + (i + 1) * stride, count);
+        const struct lanes slope =
+            lanes_mul(lanes_sub(force_next, force), lanes_set(inverse_width[i]));
+        const struct lanes change = lanes_sub(slope, slope_before);
+        constant = lanes_fnma(change, lanes_set(deformation[i]), constant);
+        lanes_store(coefficients + 2 * (i + 1) * LANES, change);
+        slope_before = slope;
+        force = force_next;
+    }
+    lanes_store(coefficients, constant);
+}
+
+LANES_INLINE void kernel_coefficients(const struct kinematics_problem *problem, uint32_t count,
+                                      const double *values, size_t stride, double *coefficients)
+{
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        for (uint32_t direction = 0; direction < 2; direction++) {
+            kernel_curve_coefficients(problem, &problem->springs[i].load, direction, count, values,
+                                      stride, coefficients);
+            if (problem->springs[i].unload.point_count > 0) {
+                kernel_curve_coefficients(problem, &problem->springs[i].unload, direction, count,
+                                          values, stride, coefficients);
+            }
+        }
+    }
+}
+
+// Both forces of a branch at deformation s >= its first point's.
+LANES_INLINE void kernel_curve(const struct kinematics_problem *problem,
+                               const struct problem_curve *curve, const double *coefficients,
+                               struct lanes s, struct lanes *force_x, struct lanes *force_y)
+{
+    const double *deformation = problem->deformation + curve->point;
+    const double *c = coefficients + (size_t)curve->value * LANES;
+    const struct lanes within = lanes_min(s, lanes_set(curve->last));
+    struct lanes x = lanes_fma(within, lanes_load(c + 2 * LANES), lanes_load(c));
+    struct lanes y = lanes_fma(within, lanes_load(c + 3 * LANES), lanes_load(c + LANES));
+    for (uint32_t i = 2; i < curve->point_count; i++) {
+        const struct lanes ramp = lanes_max(within, lanes_set(deformation[i - 1]));
+        x = lanes_fma(ramp, lanes_load(c + (2 * i) * LANES), x);
+        y = lanes_fma(ramp, lanes_load(c + (2 * i + 1) * LANES), y);
+    }
+    *force_x = x;
+    *force_y = y;
+}
+
+LANES_INLINE struct kernel_pose kernel_pose(const struct kernel_motion *at)
+{
+    struct kernel_pose pose;
+    pose.magnitude = lanes_abs(at->yaw);
+    trigonometry_sine_cosine(at->yaw, pose.magnitude, &pose.sine, &pose.cosine);
+    pose.inverse = lanes_div(lanes_set(1.0), pose.cosine);
+    pose.tangent = lanes_mul(pose.sine, pose.inverse);
+    pose.axial = lanes_mul(at->x, pose.inverse);
+    pose.crossing = lanes_fnma(at->x, pose.tangent, at->y);
+    pose.forwards = lanes_less(lanes_set(0.0), pose.cosine);
+    return pose;
+}
+
+// Moves P2 from the plane of the face onto the quarter circle where the spring's line crosses the
+// plane above it. With the line's distance h from the circle's centre, P2 lies sqrt(r^2 - h^2)
+// before the centre's foot on the line. A line that misses the quarter circle has no projection.
+LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
+                                    const struct problem_spring *spring,
+                                    const struct kernel_motion *at, const struct kernel_pose *pose,
+                                    struct kernel_place *place)
+{
+    const double radius = problem->edge_radius;
+    const struct lanes zero = lanes_set(0.0);
+    const struct lanes x = lanes_add(at->x, lanes_set(radius)); // COG from the circle's centre
+    const struct lanes y = lanes_sub(at->y, lanes_set(problem->edge_y - radius));
+    const struct lanes along = lanes_fma(x, pose->cosine, lanes_mul(y, pose->sine));
+    const struct lanes across = lanes_fms(x, pose->sine, lanes_mul(y, pose->cosine));
+    const struct lanes height = lanes_sub(across, lanes_set(spring->position_y));
+    const struct lanes square = lanes_fnma(height, height, lanes_set(radius * radius));
+    const struct lanes half_chord = lanes_sqrt(lanes_max(square, zero));
+    const struct lanes on_arc = lanes_sub(half_chord, along); // e on the circle
+    // P2 from the centre, in vehicle axes (half_chord, -height), turned into road axes.
+    const struct lanes arm_x = lanes_fma(half_chord, pose->cosine, lanes_mul(height, pose->sine));
+    const struct lanes arm_y = lanes_fms(half_chord, pose->sine, lanes_mul(height, pose->cosine));
+
+    const struct lanes_mask above =
+        lanes_less(lanes_set(problem->edge_y - radius), place->projection);
+    const struct lanes_mask meets =
+        lanes_and_not_above(lanes_and_not_above(above, zero, square), zero, arm_x);
+    place->place = lanes_select(meets, on_arc, place->place);
+    place->projection = lanes_select(meets, lanes_add(arm_y, lanes_set(problem->edge_y - radius)),
+                                     place->projection);
+    place->normal_x = lanes_select(meets, arm_x, lanes_set(1.0));
+    place->normal_y = lanes_select(meets, arm_y, zero);
+    place->projected = lanes_or(meets, lanes_and_not(place->projected, above));
+}
+
+LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *problem,
+                                              struct problem_features features,
+                                              const struct problem_spring *spring,
+                                              const struct kernel_motion *at,
+                                              const struct kernel_pose *pose)
+{
+    const struct lanes position_y = lanes_set(spring->position_y);
+    struct kernel_place place;
+    place.place = lanes_fms(position_y, pose->tangent, pose->axial);
+    place.projection = lanes_fma(position_y, pose->inverse, pose->crossing);
+    place.projected = lanes_and_not_above(
+        lanes_and_not_above(pose->forwards, place.projection, lanes_set(problem->edge_y)),
+        lanes_set(problem->far_y), place.projection);
+    place.normal_x = lanes_set(1.0);
+    place.normal_y = lanes_set(0.0);
+    if (features.rounded) {
+        kernel_round_edge(problem, spring, at, pose, &place);
+        place.projected = lanes_and(place.projected, pose->forwards);
+    }
+    return place;
+}
+
+// Whether the deformation grows, from the velocity: the barrier's surface comes towards P2 as a
+// point of the vehicle. The limit of eq. 6.45 for a vanishing time step.
+LANES_INLINE struct lanes_mask kernel_grows(const struct problem_spring *spring,
+                                            const struct kernel_place *place,
+                                            const struct kernel_pose *pose,
+                                            const struct kernel_motion *velocity)
+{
+    const struct lanes position_y = lanes_set(spring->position_y);
+    const struct lanes arm_x =
+        lanes_fms(place->place, pose->cosine, lanes_mul(position_y, pose->sine));
+    const struct lanes arm_y =
+        lanes_fma(place->place, pose->sine, lanes_mul(position_y, pose->cosine));
+    const struct lanes velocity_x = lanes_fnma(velocity->yaw, arm_y, velocity->x);
+    const struct lanes velocity_y = lanes_fma(velocity->yaw, arm_x, velocity->y);
+    const struct lanes away =
+        lanes_fma(velocity_x, place->normal_x, lanes_mul(velocity_y, place->normal_y));
+    return lanes_less(away, lanes_set(0.0));
+}
+
+// Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
+// loading from the deformation of the step before. `settled` says that this is a time of the
+// trajectory, not a Runge-Kutta stage on the way: only then is the deformation remembered.
+LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *problem,
+                                              struct problem_features features,
+                                              const struct kernel_motion *at,
+                                              const struct kernel_pose *pose,
+                                              const struct kernel_motion *velocity, bool settled,
+                                              bool recording, struct kernel_scratch *scratch)
+{
+    const struct lanes zero = lanes_set(0.0);
+    struct lanes sum_x = zero;
+    struct lanes sum_y = zero;
+    struct lanes moment_x = zero;
+    struct lanes moment_y = zero;
+    struct kernel_load load;
+    load.contact = lanes_none();
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const struct problem_spring *spring = &problem->springs[i];
+        const size_t slot = (size_t)i * LANES;
+        const struct kernel_place place = kernel_place(problem, features, spring, at, pose);
+        const struct lanes s = lanes_add(lanes_set(spring->reach), place.place);
+        const struct lanes_mask contact = lanes_and_less(place.projected, zero, s);
+        const struct lanes reference = lanes_load(scratch->reference + slot);
+        struct lanes_mask loading;
+        if (velocity == NULL || features.crushed) {
+            loading = lanes_and_less(contact, reference, s);
+        } else {
+            loading = lanes_and(contact, kernel_grows(spring, &place, pose, velocity));
+        }
+        if (settled) {
+            const struct lanes crushed = lanes_select(contact, lanes_max(reference, s), reference);
+            lanes_store(scratch->reference + slot, features.crushed ? crushed : s);
+        }
+
+        struct lanes x;
+        struct lanes y;
+        kernel_curve(problem, &spring->load, scratch->coefficients, s, &x, &y);
+        struct lanes_mask acts = loading;
+        if (features.late_start) {
+            acts = lanes_and_less(loading, lanes_set(spring->load.acts_above), s);
+        }
+        x = lanes_keep(acts, x);
+        y = lanes_keep(acts, y);
+        if (features.unload && spring->unload.point_count > 0) {
+            struct lanes unload_x;
+            struct lanes unload_y;
+            kernel_curve(problem, &spring->unload, scratch->coefficients, s, &unload_x, &unload_y);
+            const struct lanes_mask gives = lanes_and_less(lanes_and_not(contact, loading),
+                                                           lanes_set(spring->unload.acts_above), s);
+            x = lanes_select(gives, unload_x, x);
+            y = lanes_select(gives, unload_y, y);
+        }
+
+        sum_x = lanes_add(sum_x, x);
+        sum_y = lanes_add(sum_y, y);
+        moment_x = lanes_fma(lanes_set(spring->position_y), x, moment_x);
+        moment_y = lanes_fma(place.place, y, moment_y);
+        lanes_store(scratch->force_x + slot, x);
+        lanes_store(scratch->force_y + slot, y);
+        lanes_store(scratch->place + slot, place.place);
+        if (recording) {
+            lanes_store(scratch->contact + slot, lanes_keep(contact, lanes_set(1.0)));
+        }
+        load.contact = lanes_or(load.contact, contact);
+        if (i == 0) {
+            load.first_contact = contact;
+            load.first_deformation = s;
+            load.first_projection = place.projection;
+        }
+    }
+    load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
+    load.y = lanes_fma(pose->sine, sum_x, lanes_mul(pose->cosine, sum_y));
+    load.moment = lanes_sub(moment_y, moment_x);
+    return load;
+}
+
+// Adds the work of each spring along the way (x, y, yaw), forces held.
+LANES_INLINE void kernel_work(const struct kinematics_problem *problem,
+                              const struct kernel_pose *pose, const struct kernel_motion *way,
+                              struct kernel_scratch *scratch)
+{
+    const struct lanes along =
+        lanes_fma(pose->cosine, way->x, lanes_mul(pose->sine, way->y)); // in vehicle axes
+    const struct lanes across = lanes_fms(pose->cosine, way->y, lanes_mul(pose->sine, way->x));
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const size_t slot = (size_t)i * LANES;
+        const struct lanes way_x =
+            lanes_fnma(lanes_set(problem->springs[i].position_y), way->yaw, along);
+        const struct lanes way_y = lanes_fma(lanes_load(scratch->place + slot), way->yaw, across);
+        struct lanes work = lanes_load(scratch->work + slot);
+        work = lanes_fma(lanes_load(scratch->force_x + slot), way_x, work);
+        work = lanes_fma(lanes_load(scratch->force_y + slot), way_y, work);
+        lanes_store(scratch->work + slot, work);
+    }
+}
+
+LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct kernel_load *load,
+                                 struct kernel_observed *observed)
+{
+    const struct lanes deformation = lanes_keep(load->first_contact, load->first_deformation);
+    observed->yaw_max = lanes_max(pose->magnitude, observed->yaw_max);
+    observed->force_max = lanes_max(lanes_abs(load->x), observed->force_max);
+    observed->force_sum = lanes_add(observed->force_sum, load->x);
+    observed->contact_steps =
+        lanes_add(observed->contact_steps, lanes_keep(load->contact, lanes_set(1.0)));
+    observed->deformation_last =
+        lanes_select(load->first_contact, load->first_deformation, observed->deformation_last);
+    observed->deformation_max = lanes_max(deformation, observed->deformation_max);
+}
+
+// Writes the row of one time. Only the plain path records, with one design in a bundle. `acting` is
+// 0 where forces do not act yet.
+LANES_INLINE void kernel_record(const struct kinematics_problem *problem, uint32_t step,
+                                const struct kernel_motion *at,
+                                const struct kernel_motion *velocity, double acting,
+                                const struct kernel_scratch *scratch, double *rows)
+{
+    double *row = rows + (size_t)step * kinematics_column_count(problem);
+    row[KINEMATICS_COLUMN_TIME] = step * problem->time_step;
+    lanes_store(row + KINEMATICS_COLUMN_X, lanes_add(at->x, lanes_set(problem->face_x)));
+    lanes_store(row + KINEMATICS_COLUMN_Y, at->y);
+    lanes_store(row + KINEMATICS_COLUMN_YAW, at->yaw);
+    lanes_store(row + KINEMATICS_COLUMN_VX, velocity->x);
+    lanes_store(row + KINEMATICS_COLUMN_VY, velocity->y);
+    lanes_store(row + KINEMATICS_COLUMN_VYAW, velocity->yaw);
+    double *column = row + KINEMATICS_COLUMN_SPRING;
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const struct problem_spring *spring = &problem->springs[i];
+        const double deformation = spring->reach + scratch->place[i];
+        column[KINEMATICS_SPRING_LENGTH] = spring->length - deformation;
+        column[KINEMATICS_SPRING_DEFORMATION] = deformation;
+        column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? scratch->force_x[i] : 0.0;
+        column[KINEMATICS_SPRING_FORCE_Y] = acting > 0.0 ? scratch->force_y[i] : 0.0;
+        column[KINEMATICS_SPRING_CONTACT] = scratch->contact[i];
+        column += KINEMATICS_SPRING_COLUMN_COUNT;
+    }
+}
+
+// Central difference and velocity Verlet are one scheme: with the way of a step d, eq. 6.41 reads
+// d += a dt^2, q += d. `weight` is the part of a step over which the forces of one time act: half a
+// step at the end, which gives the velocity there, and at the start half a step for Verlet and none
+// for central difference. The work a F (d_before + d_after) / 2 then adds up exactly to the change
+// of kinetic energy.
+LANES_INLINE struct kernel_load
+kernel_leapfrog(const struct kinematics_problem *problem, struct problem_features features,
+                struct kernel_motion *at, struct kernel_motion *velocity, struct kernel_pose *pose,
+                struct kernel_observed *observed, double *rows, struct kernel_scratch *scratch)
+{
+    const double dt = problem->time_step;
+    const double start_weight = problem->integrator == KINEMATICS_VELOCITY_VERLET ? 0.5 : 0.0;
+    struct kernel_motion way = {lanes_set(-problem->speed * dt), lanes_set(0.0), lanes_set(0.0)};
+    struct kernel_load load;
+    for (uint32_t step = 0;; step++) {
+        const bool last = step == problem->step_count;
+        const double weight = step == 0 ? start_weight : last ? 0.5 : 1.0;
+        *pose = kernel_pose(at);
+        load = kernel_forces(problem, features, at, pose, NULL, true, rows != NULL, scratch);
+        if (weight > 0.0) {
+            kernel_observe(pose, &load, observed);
+        }
+        const struct lanes kick = lanes_set(weight * dt * dt / problem->mass);
+        const struct lanes kick_yaw = lanes_set(weight * dt * dt / problem->yaw_inertia);
+        const struct kernel_motion before = way;
+        way.x = lanes_fma(load.x, kick, way.x);
+        way.y = lanes_fma(load.y, kick, way.y);
+        way.yaw = lanes_fma(load.moment, kick_yaw, way.yaw);
+        const struct lanes half = lanes_set(0.5 * weight);
+        const struct kernel_motion middle = {lanes_mul(half, lanes_add(before.x, way.x)),
+                                             lanes_mul(half, lanes_add(before.y, way.y)),
+                                             lanes_mul(half, lanes_add(before.yaw, way.yaw))};
+        kernel_work(problem, pose, &middle, scratch);
+        if (rows != NULL || last) {
+            // At the ends the way after or before the kick is the velocity there; in between the
+            // mean of the two.
+            const struct kernel_motion *from = step == 0 ? &before : &way;
+            const struct kernel_motion *to = last ? &way : &before;
+            const struct lanes rate = lanes_set(0.5 / dt);
+            velocity->x = lanes_mul(rate, lanes_add(from->x, to->x));
+            velocity->y = lanes_mul(rate, lanes_add(from->y, to->y));
+            velocity->yaw = lanes_mul(rate, lanes_add(from->yaw, to->yaw));
+        }
+        if (rows != NULL) {
+            kernel_record(problem, step, at, velocity, weight, scratch, rows);
+        }
+        if (last) {
+            return load;
+        }
+        at->x = lanes_add(at->x, way.x);
+        at->y = lanes_add(at->y, way.y);
+        at->yaw = lanes_add(at->yaw, way.yaw);
+    }
+}
+
+// a + factor b.
+LANES_INLINE struct kernel_motion kernel_advance(const struct kernel_motion *a, double factor,
+                                                 const struct kernel_motion *b)
+{
+    const struct lanes f = lanes_set(factor);
+    return (struct kernel_motion){lanes_fma(f, b->x, a->x), lanes_fma(f, b->y, a->y),
+                                  lanes_fma(f, b->yaw, a->yaw)};
+}
+
+LANES_INLINE struct kernel_motion kernel_acceleration(const struct kinematics_problem *problem,
+                                                      const struct kernel_load *load)
+{
+    const struct lanes by_mass = lanes_set(1.0 / problem->mass);
+    return (struct kernel_motion){lanes_mul(load->x, by_mass), lanes_mul(load->y, by_mass),
+                                  lanes_mul(load->moment, lanes_set(1.0 / problem->yaw_inertia))};
+}
+
+// The classical fourth-order scheme on (place, velocity) and on the springs' work. Stages 2 to 4
+// stand in a loop so that the springs' code is there twice, not four times.
+LANES_INLINE struct kernel_load
+kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_features features,
+                   struct kernel_motion *at, struct kernel_motion *velocity,
+                   struct kernel_pose *pose, struct kernel_observed *observed, double *rows,
+                   struct kernel_scratch *scratch)
+{
+    static const double reach[4] = {0.0, 0.5, 0.5, 1.0};                 // of the step, to stage i
+    static const double share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}; // of stage i in the step
+    const struct lanes zero = lanes_set(0.0);
+    const double dt = problem->time_step;
+    for (uint32_t step = 0;; step++) {
+        *pose = kernel_pose(at);
+        const struct kernel_load load =
+            kernel_forces(problem, features, at, pose, velocity, true, rows != NULL, scratch);
+        kernel_observe(pose, &load, observed);
+        if (rows != NULL) {
+            kernel_record(problem, step, at, velocity, 1.0, scratch, rows);
+        }
+        if (step == problem->step_count) {
+            return load;
+        }
+        const struct kernel_motion none = {zero, zero, zero};
+        struct kernel_motion rate = *velocity;
+        struct kernel_motion acceleration = kernel_acceleration(problem, &load);
+        struct kernel_motion way = kernel_advance(&none, share[0] * dt, &rate);
+        struct kernel_motion gain = kernel_advance(&none, share[0] * dt, &acceleration);
+        kernel_work(problem, pose, &way, scratch);
+        for (int stage = 1; stage < 4; stage++) {
+            const struct kernel_motion there = kernel_advance(at, reach[stage] * dt, &rate);
+            rate = kernel_advance(velocity, reach[stage] * dt, &acceleration);
+            const struct kernel_pose stage_pose = kernel_pose(&there);
+            const struct kernel_load stage_load =
+                kernel_forces(problem, features, &there, &stage_pose, &rate, false, false, scratch);
+            const struct kernel_motion stage_way = kernel_advance(&none, share[stage] * dt, &rate);
+            kernel_work(problem, &stage_pose, &stage_way, scratch);
+            acceleration = kernel_acceleration(problem, &stage_load);
+            way = kernel_advance(&way, share[stage] * dt, &rate);
+            gain = kernel_advance(&gain, share[stage] * dt, &acceleration);
+        }
+        *at = kernel_advance(at, 1.0, &way);
+        *velocity = kernel_advance(velocity, 1.0, &gain);
+    }
+}
+
+// Stores a result row for the designs there are. `poison` is 0, or NaN for a design whose motion is
+// not finite; every NaN is stored as the same one.
+LANES_INLINE void kernel_store(double *results, uint32_t count, struct lanes poison,
+                               struct lanes value)
+{
+    value = lanes_add(value, poison);
+    const struct lanes stored = lanes_select(
+        lanes_and_not_above(lanes_less(value, lanes_set(INFINITY)), lanes_set(-INFINITY), value),
+        value, lanes_set((double)NAN));
+    double all[LANES];
+    lanes_store(all, stored);
+    for (uint32_t i = 0; i < LANES && i < count; i++) {
+        results[i] = all[i];
+    }
+}
+
+LANES_INLINE void
+kernel_results(const struct kinematics_problem *problem, const struct kernel_motion *at,
+               const struct kernel_motion *velocity, const struct kernel_pose *pose,
+               const struct kernel_load *load, const struct kernel_observed *observed,
+               const struct kernel_scratch *scratch, uint32_t count, double *results, size_t stride)
+{
+    const struct problem_spring *first = &problem->springs[0];
+    const struct lanes zero = lanes_set(0.0);
+    const struct lanes length = lanes_set(first->length);
+    const struct lanes position_y = lanes_set(first->position_y);
+    const struct lanes start_y = lanes_set(problem->start_y);
+    const struct lanes by_mass = lanes_set(1.0 / problem->mass);
+    const struct lanes travel_y = lanes_sub(at->y, start_y);
+    const struct lanes turned = lanes_fma(lanes_set(first->position_x), pose->sine,
+                                          lanes_fms(position_y, pose->cosine, position_y));
+    const struct lanes steps = lanes_max(observed->contact_steps, lanes_set(1.0));
+    const struct lanes square_x = lanes_mul(velocity->x, velocity->x);
+    const struct lanes square = lanes_fma(velocity->y, velocity->y, square_x);
+    const struct lanes square_yaw = lanes_mul(velocity->yaw, velocity->yaw);
+    const struct lanes energy =
+        lanes_fma(lanes_set(0.5 * problem->mass), square,
+                  lanes_mul(lanes_set(0.5 * problem->yaw_inertia), square_yaw));
+    // x - x is 0, or NaN where x is not finite; the energy is not finite where a velocity is not.
+    const struct lanes poison =
+        lanes_add(lanes_add(lanes_sub(at->x, at->x), lanes_sub(at->y, at->y)),
+                  lanes_add(lanes_sub(at->yaw, at->yaw), lanes_sub(energy, energy)));
+
+#define STORE(result, value) kernel_store(results + (result)*stride, count, poison, value)
+    STORE(KINEMATICS_LENGTH_LAST, lanes_sub(length, observed->deformation_last));
+    STORE(KINEMATICS_LENGTH_MIN, lanes_sub(length, observed->deformation_max));
+    STORE(KINEMATICS_PILLAR_TRAVEL, lanes_add(travel_y, turned));
+    STORE(KINEMATICS_PROJECTION_TRAVEL,
+          lanes_sub(load->first_projection, lanes_add(start_y, position_y)));
+    STORE(KINEMATICS_YAW, at->yaw);
+    STORE(KINEMATICS_YAW_MAX, observed->yaw_max);
+    STORE(KINEMATICS_TRAVEL_X, lanes_sub(at->x, lanes_set(problem->start_x)));
+    STORE(KINEMATICS_TRAVEL_Y, travel_y);
+    STORE(KINEMATICS_DELTA_VX, lanes_add(velocity->x, lanes_set(problem->speed)));
+    STORE(KINEMATICS_DELTA_VY, velocity->y);
+    STORE(KINEMATICS_ACCELERATION_MAX, lanes_mul(observed->force_max, by_mass));
+    STORE(KINEMATICS_ACCELERATION_MEAN, lanes_div(lanes_mul(observed->force_sum, by_mass), steps));
+    STORE(KINEMATICS_KINETIC_ENERGY, energy);
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        STORE(KINEMATICS_WORK + i, lanes_sub(zero, lanes_load(scratch->work + (size_t)i * LANES)));
+    }
+#undef STORE
+}
+
+// One bundle of `count` designs, 1 .. LANES.
+LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
+                                struct problem_features features, bool runge_kutta, uint32_t count,
+                                const double *values, double *results, size_t stride, double *rows,
+                                struct kernel_scratch *scratch)
+{
+    const struct lanes zero = lanes_set(0.0);
+    kernel_coefficients(problem, count, values, stride, scratch->coefficients);
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        // The vehicle comes towards the barrier, so at time 0 every spring loads.
+        lanes_store(scratch->reference + (size_t)i * LANES, lanes_set(-INFINITY));
+        lanes_store(scratch->work + (size_t)i * LANES, zero);
+    }
+    struct kernel_motion at = {lanes_set(problem->start_x), lanes_set(problem->start_y), zero};
+    struct kernel_motion velocity = {lanes_set(-problem->speed), zero, zero};
+    struct kernel_observed observed = {zero, zero, zero, zero, zero, zero};
+    struct kernel_pose pose;
+    const struct kernel_load load =
+        runge_kutta
+            ? kernel_runge_kutta(problem, features, &at, &velocity, &pose, &observed, rows, scratch)
+            : kernel_leapfrog(problem, features, &at, &velocity, &pose, &observed, rows, scratch);
+    kernel_results(problem, &at, &velocity, &pose, &load, &observed, scratch, count, results,
+                   stride);
+}
+
+// All designs, bundle by bundle. What most problems lack is left out of the first variant, which is
+// the fast one; the arithmetic that both do is the same.
+LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint32_t count,
+                                  const double *values, double *results, size_t stride,
+                                  double *rows)
+{
+    const struct problem_features features = problem->features;
+    const struct problem_features none = {false, false, false, false};
+    const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
+    const bool plain =
+        !features.rounded && !features.unload && !features.late_start && !features.crushed;
+    struct kernel_scratch scratch;
+    for (uint32_t first = 0; first < count; first += LANES) {
+        const uint32_t left = count - first;
+        if (runge_kutta) {
+            kernel_bundle(problem, features, true, left, values + first, results + first, stride,
+                          rows, &scratch);
+        } else if (plain) {
+            kernel_bundle(problem, none, false, left, values + first, results + first, stride, rows,
+                          &scratch);
+        } else {
+            kernel_bundle(problem, features, false, left, values + first, results + first, stride,
+                          rows, &scratch);
+        }
+    }
+}
+
+#endif
