@@ -1,0 +1,31 @@
+// How many samples the next batch of a step gets: by time, by message size, and by this worker's
+// share of the step.
+//
+// - By time: what takes the worker batch_target_ns, but a sample for each of its threads.
+// - By message size: batch_samples_max or batch_verdicts_max.
+// - By share: where fewer steps are open than there are workers, a step is split by the workers'
+//   rates, so that all work on it and end together. A part is worth at least CUT_WORTH_NS, else the
+//   messages cost more than the work.
+// A share above the greatest batch is cut into equal batches. Counts are multiples of CUT_LANES,
+// and a small rest goes with the last batch.
+#ifndef SOBOX_COORDINATOR_SCHEDULE_CUT_H
+#define SOBOX_COORDINATOR_SCHEDULE_CUT_H
+
+#include "coordinator/schedule/backlog.h"
+#include "coordinator/schedule/roster.h"
+
+enum {
+    CUT_LANES = 8,          // samples in a vector of doubles (AVX-512), and verdict bits in a byte
+    CUT_UNKNOWN_COUNT = 64, // greatest batch as long as nobody knows what a sample takes: a block
+                            // of the model, so that a slow model is found out early
+    CUT_WORTH_NS = 25000,   // a round trip over loopback takes 24 us: half of it is the
+                            // coordinator's, and a batch should cost a worker more than that
+};
+
+// The count for `worker`, 1 .. the samples of `step` that are not cut. `open_count` steps have
+// samples to cut, this one included.
+uint32_t cut_count(const struct schedule_settings *settings, const struct roster *roster,
+                   const struct roster_worker *worker, const struct backlog_step *step,
+                   uint32_t open_count);
+
+#endif

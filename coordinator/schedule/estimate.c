@@ -1,0 +1,18 @@
+#include "coordinator/schedule/estimate.h"
+
+#include <math.h>
+
+void estimate_add(struct estimate *estimate, double value)
+{
+    if (!estimate->measured) {
+        *estimate = (struct estimate){.mean = value, .deviation = value / 2, .measured = true};
+        return;
+    }
+    estimate->deviation += (fabs(value - estimate->mean) - estimate->deviation) / 4;
+    estimate->mean += (value - estimate->mean) / 8;
+}
+
+double estimate_bound(const struct estimate *estimate)
+{
+    return estimate->mean + 4 * estimate->deviation;
+}

@@ -1,0 +1,163 @@
+#include "coordinator/schedule/lease.h"
+#include "coordinator/schedule/backlog.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stddef.h>
+
+// As long as a worker has answered nothing, its lease allows for the scenario's text to be fetched
+// piece by piece and its model to be prepared. TCP's first timer has 1 s (RFC 6298, section 2);
+// within one network half of that is plenty.
+#define LEASE_FIRST_NS INT64_C(500000000)
+
+// No estimate, however wild the measurements, is longer than this.
+#define LEASE_ESTIMATE_MAX_NS 3600e9
+
+void lease_book_init(struct lease_book *book, const struct schedule_settings *settings)
+{
+    *book = (struct lease_book){.settings = settings};
+}
+
+void lease_book_fini(struct lease_book *book)
+{
+    heap_fini(&book->timers);
+}
+
+static int64_t ns_of(double ns)
+{
+    return (int64_t)fmin(fmax(ns, 1), LEASE_ESTIMATE_MAX_NS);
+}
+
+static int64_t ns_min(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static int64_t ns_max(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+// A slot of the batch whose lease has ended: the one that was given first.
+static struct lease *lease_slot(struct backlog_batch *batch)
+{
+    struct lease *slot = NULL;
+    for (uint32_t i = 0; i < LEASE_KEPT_MAX; i++) {
+        struct lease *lease = &batch->leases[i];
+        if (lease->worker == NULL && (slot == NULL || lease->order < slot->order))
+            slot = lease;
+    }
+    assert(slot != NULL);
+    return slot;
+}
+
+// How long after its start the outcome is surely overdue, if all goes as it did so far: all the
+// work before it and its own at the worker's mean, then four deviations of it and the delay.
+static int64_t lease_overdue_ns(const struct lease *lease)
+{
+    const struct roster_worker *worker = lease->worker;
+    double work_ns = (double)lease->ahead_ns + (double)lease->expected_ns;
+    double spread = worker->service.measured && worker->service.mean > 0
+                        ? 4 * worker->service.deviation / worker->service.mean
+                        : 1;
+    return ns_of(work_ns * (1 + spread) + estimate_bound(&worker->delay));
+}
+
+// Sets when the lease gets late and when it ends.
+static void lease_schedule(struct lease_book *book, struct lease *lease)
+{
+    const struct schedule_settings *settings = book->settings;
+    int64_t least_ns = settings->lease_min_ns;
+    if (!lease->worker->delay.measured)
+        least_ns = ns_max(least_ns, LEASE_FIRST_NS);
+    int64_t overdue_ns = lease_overdue_ns(lease);
+    uint32_t backoff = lease->attempt < LEASE_BACKOFF_MAX ? lease->attempt : LEASE_BACKOFF_MAX;
+    int64_t duration_ns = ns_max(least_ns, overdue_ns) << backoff;
+    // Work that is known to take longer than the greatest lease is not cut off.
+    int64_t most_ns = ns_max(settings->lease_max_ns, 2 * (lease->ahead_ns + lease->expected_ns));
+    lease->end_ns = lease->start_ns + ns_min(duration_ns, most_ns);
+    int64_t late_ns = lease->start_ns + ns_max(least_ns / 4, overdue_ns);
+    heap_put(&book->timers, &lease->timer, ns_min(late_ns, lease->end_ns));
+}
+
+struct lease *lease_start(struct lease_book *book, struct roster *roster,
+                          struct backlog_batch *batch, struct roster_worker *worker, int64_t now_ns)
+{
+    assert(lease_active(batch) < LEASE_ACTIVE_MAX);
+    struct lease *lease = lease_slot(batch);
+    double cost_ns = batch->step->sample_ns * batch->identity.count;
+    *lease = (struct lease){
+        .worker = worker,
+        .batch = batch,
+        .worker_id = worker->id,
+        .attempt = batch->identity.attempt++,
+        .order = ++book->started,
+        .start_ns = now_ns,
+        .expected_ns = ns_of(cost_ns * roster_service(roster, worker)),
+        .ahead_ns = worker->load_ns,
+        .timer.tie = book->started,
+    };
+    batch->holder = worker->id;
+    lease_schedule(book, lease);
+    roster_hold(roster, worker, lease);
+    return lease;
+}
+
+void lease_end(struct lease_book *book, struct roster *roster, struct lease *lease)
+{
+    assert(lease->worker != NULL);
+    heap_remove(&book->timers, &lease->timer);
+    roster_drop(roster, lease->worker, lease);
+    lease->worker = NULL;
+}
+
+struct lease *lease_due(struct lease_book *book, int64_t now_ns, bool *ended)
+{
+    struct heap_entry *first = heap_first(&book->timers);
+    if (first == NULL || first->key > now_ns)
+        return NULL;
+    struct lease *lease = (struct lease *)((char *)first - offsetof(struct lease, timer));
+    *ended = lease->late || lease->end_ns <= now_ns;
+    if (!*ended) {
+        lease->late = true;
+        heap_put(&book->timers, &lease->timer, lease->end_ns);
+    }
+    return lease;
+}
+
+int64_t lease_wake_ns(const struct lease_book *book)
+{
+    const struct heap_entry *first = heap_first(&book->timers);
+    return first != NULL ? first->key : INT64_MAX;
+}
+
+struct lease *lease_find(struct backlog_batch *batch, uint64_t worker_id, uint32_t attempt)
+{
+    for (uint32_t i = 0; i < LEASE_KEPT_MAX; i++) {
+        struct lease *lease = &batch->leases[i];
+        if (lease->worker_id == worker_id && lease->attempt == attempt)
+            return lease;
+    }
+    return NULL;
+}
+
+void lease_measure(struct lease *lease, struct roster *roster, struct roster_worker *worker,
+                   int64_t service_ns, int64_t now_ns)
+{
+    assert(lease->worker_id == worker->id);
+    const struct backlog_batch *batch = lease->batch;
+    int64_t turnaround_ns = now_ns - lease->start_ns;
+    int64_t delay_ns = turnaround_ns - lease->ahead_ns - lease->expected_ns;
+    // An evaluation cannot have taken longer than the lease is old, whatever the message says.
+    roster_measure(roster, worker, batch->step->sample_ns * batch->identity.count,
+                   (double)ns_min(service_ns, turnaround_ns), (double)ns_max(delay_ns, 0));
+    lease->worker_id = 0;
+}
+
+uint32_t lease_active(const struct backlog_batch *batch)
+{
+    uint32_t active = 0;
+    for (uint32_t i = 0; i < LEASE_KEPT_MAX; i++)
+        active += batch->leases[i].worker != NULL;
+    return active;
+}

@@ -1,0 +1,279 @@
+#include "coordinator/schedule/roster.h"
+#include "coordinator/schedule/lease.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum {
+    ROSTER_FORGET_SILENCES = 200, // silences after which one that is gone is forgotten: 10 minutes
+                                  // at 3 s, longer than a reboot
+    ROSTER_QUEUE_MAX = 65536,     // what a worker may claim to have waiting
+};
+
+// What a rate is counted in: what one core is thought to do. Rates are integers so that the total
+// is exact whatever comes and goes.
+#define ROSTER_RATE_CORE 1e6
+
+// Stalled workers rank behind all others: a load is never so large.
+#define ROSTER_STALLED_LOAD (INT64_C(1) << 61)
+
+static const bool roster_moves[ROSTER_STATE_COUNT][ROSTER_STATE_COUNT] = {
+    [ROSTER_WORKING] = {[ROSTER_SILENT] = true, [ROSTER_REFUSED] = true, [ROSTER_LEFT] = true},
+    [ROSTER_SILENT] = {[ROSTER_WORKING] = true, [ROSTER_REFUSED] = true, [ROSTER_LEFT] = true},
+};
+
+void roster_init(struct roster *roster, const struct schedule_settings *settings)
+{
+    *roster = (struct roster){.settings = settings};
+    roster->workers = g_hash_table_new(g_int64_hash, g_int64_equal);
+    g_queue_init(&roster->heard);
+    g_queue_init(&roster->gone);
+}
+
+static void worker_free(struct roster_worker *worker)
+{
+    g_free(worker->leases);
+    g_free(worker);
+}
+
+void roster_fini(struct roster *roster)
+{
+    GHashTableIter iter;
+    gpointer worker;
+    g_hash_table_iter_init(&iter, roster->workers);
+    while (g_hash_table_iter_next(&iter, NULL, &worker))
+        worker_free(worker);
+    g_hash_table_destroy(roster->workers);
+    heap_fini(&roster->room);
+    *roster = (struct roster){0};
+}
+
+struct roster_worker *roster_find(const struct roster *roster, uint64_t id)
+{
+    return g_hash_table_lookup(roster->workers, &id);
+}
+
+static GQueue *worker_queue(struct roster *roster, const struct roster_worker *worker)
+{
+    return worker->state == ROSTER_WORKING ? &roster->heard : &roster->gone;
+}
+
+bool roster_stalled(const struct roster_worker *worker)
+{
+    return worker->stalls >= ROSTER_STALL_COUNT;
+}
+
+double roster_service(const struct roster *roster, const struct roster_worker *worker)
+{
+    if (worker->service.measured)
+        return worker->service.mean;
+    return (roster->core.measured ? roster->core.mean : 1) / worker->threads;
+}
+
+// Batches of other coordinators wait at the worker too.
+static int64_t worker_foreign_ns(const struct roster_worker *worker)
+{
+    if (worker->queue <= worker->lease_count)
+        return 0;
+    int64_t batch_ns = worker->lease_count > 0 ? worker->load_ns / worker->lease_count : 1;
+    return batch_ns * (worker->queue - worker->lease_count);
+}
+
+// Two batches hide the round trip: one in work, one waiting. More are needed only where they are
+// short: up to two batches' target time.
+static bool worker_room(const struct roster *roster, const struct roster_worker *worker)
+{
+    if (worker->state != ROSTER_WORKING)
+        return false;
+    if (roster_stalled(worker))
+        return worker->lease_count == 0;
+    if (worker->lease_count < 2)
+        return worker->lease_count < roster->settings->window_max;
+    return worker->lease_count < roster->settings->window_max &&
+           worker->load_ns < 2 * roster->settings->batch_target_ns;
+}
+
+// Brings the worker's place and its part of the total rate up to date; after every change.
+static void roster_rank(struct roster *roster, struct roster_worker *worker)
+{
+    roster->rate_total -= worker->rate;
+    worker->rate = 0;
+    if (worker->state == ROSTER_WORKING && !roster_stalled(worker))
+        worker->rate = 1 + (uint64_t)(ROSTER_RATE_CORE / roster_service(roster, worker));
+    roster->rate_total += worker->rate;
+
+    if (!worker_room(roster, worker)) {
+        heap_remove(&roster->room, &worker->rank);
+        return;
+    }
+    int64_t load = worker->load_ns + worker_foreign_ns(worker);
+    heap_put(&roster->room, &worker->rank, roster_stalled(worker) ? ROSTER_STALLED_LOAD : load);
+}
+
+static void roster_remove(struct roster *roster, struct roster_worker *worker)
+{
+    assert(worker->state != ROSTER_WORKING);
+    assert(worker->lease_count == 0);
+    roster->refused -= worker->state == ROSTER_REFUSED;
+    g_queue_unlink(&roster->gone, &worker->link);
+    g_hash_table_remove(roster->workers, &worker->id);
+    worker_free(worker);
+}
+
+// The name came from the network and goes to a terminal.
+static void worker_set_name(struct roster_worker *worker, const char *name)
+{
+    snprintf(worker->name, sizeof worker->name, "%s", name);
+    for (char *at = worker->name; *at != '\0'; at++) {
+        if ((unsigned char)*at < ' ' || *at == 0x7f)
+            *at = '?';
+    }
+}
+
+struct roster_worker *roster_add(struct roster *roster, uint64_t id, const char *name,
+                                 uint32_t threads, enum roster_state state, int64_t now_ns)
+{
+    assert(state == ROSTER_WORKING || state == ROSTER_REFUSED);
+    if (g_hash_table_size(roster->workers) >= ROSTER_WORKER_MAX) {
+        if (roster->gone.head == NULL)
+            return NULL;
+        roster_remove(roster, roster->gone.head->data);
+    }
+    struct roster_worker *worker = g_new0(struct roster_worker, 1);
+    worker->id = id;
+    worker_set_name(worker, name);
+    worker->threads = threads > 0 ? threads : 1;
+    worker->state = state;
+    worker->heard_ns = now_ns;
+    worker->outcome_ns = INT64_MIN;
+    worker->leases = g_new0(struct lease *, roster->settings->window_max);
+    worker->rank.tie = roster->joined++;
+    worker->link.data = worker;
+    g_hash_table_insert(roster->workers, &worker->id, worker);
+    g_queue_push_tail_link(worker_queue(roster, worker), &worker->link);
+    roster->refused += state == ROSTER_REFUSED;
+    roster_rank(roster, worker);
+    return worker;
+}
+
+void roster_move(struct roster *roster, struct roster_worker *worker, enum roster_state state)
+{
+    assert(roster_moves[worker->state][state]);
+    assert(worker->lease_count == 0);
+    g_queue_unlink(worker_queue(roster, worker), &worker->link);
+    worker->state = state;
+    worker->stalls = 0;
+    worker->queue = 0;
+    roster->refused += state == ROSTER_REFUSED;
+    g_queue_push_tail_link(worker_queue(roster, worker), &worker->link);
+    roster_rank(roster, worker);
+}
+
+void roster_hear(struct roster *roster, struct roster_worker *worker, int64_t now_ns)
+{
+    GQueue *queue = worker_queue(roster, worker);
+    g_queue_unlink(queue, &worker->link);
+    g_queue_push_tail_link(queue, &worker->link);
+    worker->heard_ns = now_ns;
+}
+
+void roster_queue(struct roster *roster, struct roster_worker *worker, uint32_t queue)
+{
+    worker->queue = queue < ROSTER_QUEUE_MAX ? queue : ROSTER_QUEUE_MAX;
+    if (queue == 0)
+        worker->stalls = 0;
+    roster_rank(roster, worker);
+}
+
+void roster_hold(struct roster *roster, struct roster_worker *worker, struct lease *lease)
+{
+    assert(worker->lease_count < roster->settings->window_max);
+    worker->leases[worker->lease_count++] = lease;
+    worker->load_ns += lease->expected_ns;
+    roster_rank(roster, worker);
+}
+
+void roster_drop(struct roster *roster, struct roster_worker *worker, struct lease *lease)
+{
+    uint32_t index = 0;
+    while (worker->leases[index] != lease) {
+        index++;
+        assert(index < worker->lease_count);
+    }
+    worker->leases[index] = worker->leases[--worker->lease_count];
+    worker->load_ns -= lease->expected_ns;
+    assert(worker->lease_count > 0 || worker->load_ns == 0);
+    roster_rank(roster, worker);
+}
+
+void roster_measure(struct roster *roster, struct roster_worker *worker, double cost_ns,
+                    double service_ns, double delay_ns)
+{
+    double service = fmax(service_ns, 1) / cost_ns;
+    estimate_add(&worker->service, service);
+    estimate_add(&worker->delay, delay_ns);
+    estimate_add(&roster->core, service * worker->threads);
+    roster_rank(roster, worker);
+}
+
+void roster_answered(struct roster *roster, struct roster_worker *worker, int64_t now_ns)
+{
+    worker->outcome_ns = now_ns;
+    worker->stalls = 0;
+    roster_rank(roster, worker);
+}
+
+void roster_lapsed(struct roster *roster, struct roster_worker *worker, int64_t start_ns)
+{
+    if (worker->outcome_ns < start_ns)
+        worker->stalls++;
+    roster_rank(roster, worker);
+}
+
+static struct roster_worker *worker_of_rank(struct heap_entry *rank)
+{
+    return (struct roster_worker *)((char *)rank - offsetof(struct roster_worker, rank));
+}
+
+struct roster_worker *roster_pick(const struct roster *roster, const struct roster_worker *other)
+{
+    struct heap_entry *first = heap_first(&roster->room);
+    if (first == NULL)
+        return NULL;
+    struct heap_entry *second = heap_second(&roster->room);
+    if (worker_of_rank(first) != other || second == NULL || roster_stalled(worker_of_rank(second)))
+        return worker_of_rank(first);
+    return worker_of_rank(second);
+}
+
+bool roster_idle(const struct roster_worker *worker)
+{
+    return worker->state == ROSTER_WORKING && worker->lease_count == 0 && worker->queue == 0 &&
+           !roster_stalled(worker);
+}
+
+struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns)
+{
+    return roster_wake_ns(roster) <= now_ns ? roster->heard.head->data : NULL;
+}
+
+int64_t roster_wake_ns(const struct roster *roster)
+{
+    if (roster->heard.head == NULL)
+        return INT64_MAX;
+    const struct roster_worker *worker = roster->heard.head->data;
+    return worker->heard_ns + roster->settings->silence_ns;
+}
+
+void roster_forget(struct roster *roster, int64_t now_ns)
+{
+    int64_t forget_ns = ROSTER_FORGET_SILENCES * roster->settings->silence_ns;
+    while (roster->gone.head != NULL) {
+        struct roster_worker *worker = roster->gone.head->data;
+        if (now_ns - worker->heard_ns < forget_ns)
+            return;
+        roster_remove(roster, worker);
+    }
+}

@@ -1,0 +1,138 @@
+// The workers the coordinator knows, what was measured of each, and who has room for another batch.
+//
+//                announced                     silent for silence_ns
+//     (unknown) ----------> [working] ------------------------------> [silent]
+//         |                  |     ^                                   |    |
+//         | other kernel     |     +-----------------------------------+    |
+//         | or version       |           heard again                        |
+//         v                  |  says it leaves                              |
+//     [refused]              +-----------> [left] <-------------------------+
+//
+// Only working ones hold leases. The others are remembered for a while, so that each is mentioned
+// once and a worker that comes back is known, with its rate; then they are forgotten. A worker that
+// was started anew has a new sender number and is another worker.
+//
+// A working one that let two leases lapse in a row and was not heard in between is stalled: it gets
+// one batch at a time and only when nobody else has room, until it answers or says that it has
+// nothing to do. Without this a worker that hangs would look idle and draw all that is handed out
+// again.
+#ifndef SOBOX_COORDINATOR_SCHEDULE_ROSTER_H
+#define SOBOX_COORDINATOR_SCHEDULE_ROSTER_H
+
+#include "coordinator/schedule/estimate.h"
+#include "coordinator/schedule/heap.h"
+#include "coordinator/schedule/schedule.h"
+
+#include <glib.h>
+
+struct lease;
+
+enum {
+    ROSTER_WORKER_MAX =
+        65536,              // known at once; a newcomer then replaces the one gone for longest, and
+                            // is ignored when nobody is gone: strangers cannot fill the memory
+    ROSTER_STALL_COUNT = 2, // lapses in a row that make a worker stalled: one is a lost packet
+};
+
+enum roster_state {
+    ROSTER_WORKING,
+    ROSTER_SILENT,
+    ROSTER_REFUSED,
+    ROSTER_LEFT,
+    ROSTER_STATE_COUNT
+};
+
+struct roster_worker {
+    // As it says of itself.
+    uint64_t id;
+    char name[96];    // printable
+    uint32_t threads; // >= 1
+    uint32_t queue;   // batches it has, ours and other coordinators'
+
+    // As it was seen.
+    enum roster_state state;
+    int64_t heard_ns;        // last
+    int64_t outcome_ns;      // last outcome
+    struct estimate service; // its time for what a core is thought to do in 1 ns [ns / ns]
+    struct estimate delay;   // from lease to outcome, beyond the work expected [ns]
+    uint32_t stalls;         // leases that lapsed since it was heard to work
+
+    // What it holds.
+    struct lease **leases; // (lease_count) of at most window_max
+    uint32_t lease_count;
+    int64_t load_ns; // work expected in them
+
+    // Its places in the roster.
+    uint64_t rate; // its part of rate_total; 0 when it has none
+    GList link;    // in `heard` or `gone`
+    struct heap_entry rank;
+};
+
+struct roster {
+    const struct schedule_settings *settings;
+    GHashTable *workers;  // id -> struct roster_worker, owned
+    GQueue heard;         // working ones, the one not heard for longest first
+    GQueue gone;          // the others, likewise
+    struct heap room;     // working ones with room, the least loaded first, stalled ones last
+    struct estimate core; // service x threads of all: what to expect of one not measured yet
+    uint64_t rate_total;  // of working ones that are not stalled
+    uint64_t joined;      // ever
+    uint32_t refused;     // among `gone`
+};
+
+void roster_init(struct roster *roster, const struct schedule_settings *settings);
+void roster_fini(struct roster *roster);
+
+// The worker with that sender number, or NULL.
+struct roster_worker *roster_find(const struct roster *roster, uint64_t id);
+
+// Adds a worker, working or refused. NULL when the roster is full.
+struct roster_worker *roster_add(struct roster *roster, uint64_t id, const char *name,
+                                 uint32_t threads, enum roster_state state, int64_t now_ns);
+
+// Moves a worker to another state; one that stops working holds no lease any more.
+void roster_move(struct roster *roster, struct roster_worker *worker, enum roster_state state);
+
+// A sign of life.
+void roster_hear(struct roster *roster, struct roster_worker *worker, int64_t now_ns);
+
+// Sets how much the worker says it has to do. One that has nothing to do is not stalled: what it
+// was given got lost.
+void roster_queue(struct roster *roster, struct roster_worker *worker, uint32_t queue);
+
+// The worker holds this lease from now on, or no longer.
+void roster_hold(struct roster *roster, struct roster_worker *worker, struct lease *lease);
+void roster_drop(struct roster *roster, struct roster_worker *worker, struct lease *lease);
+
+// An outcome says: work worth `cost_ns` on one core took it `service_ns`, and came back `delay_ns`
+// after it was expected.
+void roster_measure(struct roster *roster, struct roster_worker *worker, double cost_ns,
+                    double service_ns, double delay_ns);
+
+// It worked: not stalled (any more). / A lease given at `start_ns` lapsed.
+void roster_answered(struct roster *roster, struct roster_worker *worker, int64_t now_ns);
+void roster_lapsed(struct roster *roster, struct roster_worker *worker, int64_t start_ns);
+
+bool roster_stalled(const struct roster_worker *worker);
+
+// The worker's time for work worth 1 ns on one core: measured, else what others' cores take, else
+// 1 / threads.
+double roster_service(const struct roster *roster, const struct roster_worker *worker);
+
+// The working worker with room that has least to do; `other` (may be NULL) only when there is no
+// one else. NULL when nobody has room.
+struct roster_worker *roster_pick(const struct roster *roster, const struct roster_worker *other);
+
+// Whether it has nothing to do, as far as one can know.
+bool roster_idle(const struct roster_worker *worker);
+
+// A working worker that has been silent for too long, or NULL.
+struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns);
+
+// When roster_silent() may find one; INT64_MAX when there is nobody.
+int64_t roster_wake_ns(const struct roster *roster);
+
+// Forgets those gone for very long.
+void roster_forget(struct roster *roster, int64_t now_ns);
+
+#endif
