@@ -38,6 +38,7 @@ set -eu
         library["sodium.h"] = "PkgConfig::SODIUM"
         library["jansson.h"] = "PkgConfig::JANSSON"
         library["omp.h"] = "OpenMP::OpenMP_C"
+        needs["sobox_lcmtypes"] = "PkgConfig::LCM"
         needs["PkgConfig::LCM"] = "PkgConfig::GLIB"
         # A scenario in memory is plain data that those who compute may know; reading one is not.
         plain["common/scenario/scenario.h"] = plain["common/scenario/outcome.h"] = 1

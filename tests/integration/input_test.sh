@@ -1,0 +1,143 @@
+# Whatever is wrong with a scenario, the programs end with status 2 and one line that says where,
+# what, and what would be right.
+# shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
+
+# _refused EDIT PATTERN: a scenario changed by this sed command is refused, with a line that names a
+# place in the file and matches the pattern.
+_refused()
+{
+    sed -E "$1" "$scenario" >edited.yaml
+    ! cmp -s "$scenario" edited.yaml || fail "the edit '$1' changes nothing"
+    local program
+    for program in coordinator simulate; do
+        if [ $program = coordinator ]; then
+            run 2 sobox-coordinator edited.yaml --out run
+        else
+            run 2 sobox-simulate edited.yaml --design centre
+        fi
+        expect_one_line err
+        expect_said err '^edited\.yaml:[0-9]+:[0-9]+: '
+        expect_said err "$2"
+        [ ! -s out ] || fail "printed besides: $(cat out)"
+        expect_no run
+    done
+}
+
+missing_file_is_named()
+{
+    run 2 sobox-coordinator nowhere.yaml --out run
+    expect_one_line err
+    expect_said err 'nowhere\.yaml.*[Nn]o such file'
+    expect_no run
+}
+
+broken_yaml_is_refused()
+{
+    _refused 's/^vehicle:/vehicle: [/' '.'
+}
+
+unknown_key_is_refused()
+{
+    _refused 's/^  mass:/  weight: 3\n&/' '^edited.yaml:[0-9]+:3: vehicle.*weight'
+}
+
+missing_key_is_refused()
+{
+    _refused '/^  mass:/d' 'mass'
+}
+
+doubled_key_is_refused()
+{
+    _refused 's/^  mass:.*/&\n&/' 'mass'
+}
+
+wrong_type_is_refused()
+{
+    _refused 's/^  mass:.*/  mass: heavy/' '^edited.yaml:[0-9]+:9: vehicle.mass.*heavy'
+    _refused 's/^  mass:.*/  mass: [1, 2]/' 'vehicle.mass'
+    _refused 's/^vehicle:.*/vehicle: 3\nx:/' 'vehicle|x'
+    _refused 's/deformation: .*/deformation: 3/' 'springs.*deformation'
+}
+
+number_that_is_none_is_refused()
+{
+    _refused 's/^  mass:.*/  mass: .nan/' 'vehicle.mass'
+    _refused 's/^  mass:.*/  mass: .inf/' 'vehicle.mass'
+    _refused 's/^  mass:.*/  mass: 1e999/' 'vehicle.mass'
+}
+
+negative_mass_is_refused()
+{
+    _refused 's/^  mass:.*/  mass: -3/' 'vehicle.mass.*-3'
+}
+
+unordered_deformation_points_are_refused()
+{
+    _refused 's/0\.30, 0\.60/0.60, 0.30/' 'deformation.*ascending|deformation.*above'
+    _refused 's/0\.30, 0\.60/0.30, 0.30/' 'deformation'
+}
+
+too_few_deformation_points_are_refused()
+{
+    _refused 's/deformation: .*/deformation: [0.0]/' 'deformation'
+    _refused 's/deformation: .*/deformation: []/' 'deformation'
+}
+
+forces_that_do_not_match_the_points_are_refused()
+{
+    _refused 's/upper: \[60e3, /upper: [/' 'force_x'
+}
+
+lower_above_upper_is_refused()
+{
+    _refused 's/lower: 0, upper: 250e3/lower: 300e3, upper: 250e3/' 'force_y.*lower'
+}
+
+design_space_without_a_free_variable_is_refused()
+{
+    _refused 's/lower: 0, upper: .*\}/lower: 5, upper: 5}/' 'free'
+}
+
+overlap_of_zero_is_refused()
+{
+    _refused 's/overlap:.*/overlap: 0/' 'barrier.overlap'
+}
+
+time_step_that_fits_no_duration_is_refused()
+{
+    _refused 's/^search:/simulation: {time_step: 0}\n&/' 'time_step'
+    _refused 's/^search:/simulation: {time_step: -1e-3}\n&/' 'time_step'
+    _refused 's/^search:/simulation: {duration: 0.01, time_step: 0.02}\n&/' 'time_step'
+}
+
+spring_behind_the_barrier_is_refused()
+{
+    _refused 's/position: .*/position: [-2.5, -0.75]/' 'springs'
+}
+
+file_that_is_no_scenario_is_refused()
+{
+    : >empty.yaml
+    run 2 sobox-coordinator empty.yaml --out run
+    expect_said err '^empty\.yaml:1:1: '
+    printf 'mass: \377\376\n' >bytes.yaml
+    run 2 sobox-coordinator bytes.yaml --out run
+    expect_said err '^bytes\.yaml:1:'
+    run 2 sobox-coordinator . --out run
+    expect_one_line err
+    expect_no run
+}
+
+# An override is read like the file and its error names the option.
+wrong_override_is_refused()
+{
+    local override
+    for override in vehicle.mass=-3 vehicle.weight=3 response=sideways springs.7.name=x \
+        vehicle.mass nothing=1 =3 search.seed=1.5; do
+        run 2 sobox-coordinator "$scenario" --out run --set "$override"
+        expect_one_line err
+        expect_no run
+    done
+    run 2 sobox-coordinator "$scenario" --out run --seed many
+    expect_one_line err
+}

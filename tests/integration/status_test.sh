@@ -1,0 +1,50 @@
+# Options, help and exit statuses that scripts rely on.
+# shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
+
+scenario_without_a_good_design_ends_with_status_3()
+{
+    run 3 sobox-coordinator "$scenario" --out run --set firewall_distance=1.2
+    expect_equal "$(json run/result.json '$.searches[0].status')" no_good_design status
+    # What stands in the way most often.
+    expect_said out 's_L'
+}
+
+every_program_tells_its_version()
+{
+    local program
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+        run 0 "$program" --version
+        expect_said out "^$program [0-9]+[.][0-9]+[.][0-9]+$"
+        expect_one_line out
+        [ ! -s err ] || fail "$program --version complains: $(cat err)"
+    done
+}
+
+every_program_explains_itself()
+{
+    local program
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+        run 0 "$program" --help
+        expect_said out 'Exit status'
+        expect_said out '[-][-]version'
+    done
+}
+
+wrong_usage_ends_with_status_2()
+{
+    local program
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+        run 2 "$program" --no-such-option
+        expect_said err 'no-such-option'
+    done
+    run 2 sobox-coordinator
+    run 2 sobox-simulate
+    run 2 sobox-report
+    run 2 sobox-coordinator "$scenario" "$scenario"
+    run 2 sobox-coordinator "$scenario" --out run --workers -1
+    run 2 sobox-coordinator "$scenario" --out run --threads -1
+    run 2 sobox-coordinator "$scenario" --out run --mtu 60001
+    run 2 sobox-coordinator "$scenario" --resume run
+    run 2 sobox-worker --threads -1
+    expect_no run
+}
