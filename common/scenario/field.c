@@ -180,10 +180,10 @@ static bool read_number(const struct tree_node *node, const struct field_range *
         return found(node, expected, error);
     }
     double value = g_ascii_strtod(node->text, NULL);
-    if (!in_range(value, range))
-        return found(node, describe_range(range, unit, expected), error);
     if (fabs(value) > FIELD_NUMBER_MAX)
         return found(node, "a number of at most 1e15", error);
+    if (!in_range(value, range))
+        return found(node, describe_range(range, unit, expected), error);
     *number = value;
     return true;
 }

@@ -12,11 +12,11 @@
 #include <stdint.h>
 
 enum {
-    SCENARIO_NAME_SIZE = 64,       // [bytes] of any name, with its NUL
-    SCENARIO_SPRING_MAX = 64,      // spring pairs
-    SCENARIO_POINT_MAX = 32,       // discretization points of a spring
-    SCENARIO_VARIABLE_MAX = 4096,  // = springs x 2 directions x points
-    SCENARIO_CONSTRAINT_MAX = 64,  // so that a constraint fits a byte on the wire
+    SCENARIO_NAME_SIZE = 64,          // [bytes] of any name, with its NUL
+    SCENARIO_SPRING_MAX = 64,         // spring pairs
+    SCENARIO_POINT_MAX = 32,          // discretization points of a spring
+    SCENARIO_VARIABLE_MAX = 4096,     // = springs x 2 directions x points
+    SCENARIO_CONSTRAINT_MAX = 64,     // so that a constraint fits a byte on the wire
     SCENARIO_TEXT_SIZE_MAX = 1 << 20, // [bytes] of YAML; larger files are refused
 };
 
@@ -58,10 +58,10 @@ struct scenario_barrier {
 // An axial and a lateral spring that share a place and the axial deformation.
 struct scenario_spring {
     char name[SCENARIO_NAME_SIZE];
-    double position[2];   // [m] from the COG in vehicle axes
-    double length;        // [m] undeformed
-    uint32_t point_count; // 2..SCENARIO_POINT_MAX
-    double deformation[SCENARIO_POINT_MAX];                             // [m] ascending
+    double position[2];                     // [m] from the COG in vehicle axes
+    double length;                          // [m] undeformed
+    uint32_t point_count;                   // 2..SCENARIO_POINT_MAX
+    double deformation[SCENARIO_POINT_MAX]; // [m] ascending
     double force_lower[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N] the design space
     double force_upper[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N]
 };
@@ -111,8 +111,9 @@ struct scenario {
     struct scenario_search search;
 
     // Derived when the file is read.
-    struct scenario_variable *variables; // (design_space.count) spring by spring; x points, y points
-    struct box design_space;             // one interval a variable
+    struct scenario_variable
+        *variables;          // (design_space.count) spring by spring; x points, y points
+    struct box design_space; // one interval a variable
     struct scenario_constraint *constraints; // (constraint_count) of the response, then the user's
     uint32_t constraint_count;               // 1..SCENARIO_CONSTRAINT_MAX
 

@@ -6,10 +6,11 @@
 #include "common/base/error.h"
 #include "common/scenario/scenario.h"
 
-// Reads a scenario file. `overrides` (override_count) are "key.path=value" as given to --set: a path
-// of keys and list indexes ("springs.0.length=1.3"), and a YAML value; they may add optional keys.
-// On success the scenario is filled and the caller releases it; else it is left zeroed.
-// Errors: STATUS_IO (cannot be read), STATUS_INVALID (all else).
+// Reads a scenario file. `overrides` (override_count) are "key.path=value" as given to --set: a
+// path of keys and list indexes ("springs.0.length=1.3"), and a YAML value; they may add optional
+// keys. On success the scenario is filled and the caller releases it; else it is left zeroed.
+// Errors: STATUS_INVALID, also for a file that cannot be read: to the user a wrong name is one more
+// wrong input.
 enum status scenario_read_file(struct scenario *scenario, const char *path,
                                const char *const *overrides, size_t override_count,
                                struct error *error) MUST_USE;

@@ -99,13 +99,12 @@ const char *tree_path(const struct tree_node *node, char path[TREE_PATH_SIZE])
     return path;
 }
 
-// Cuts a long text between two characters.
-static void shown_cut(const char *text, char shown[TREE_SHOWN_SIZE])
+// How many bytes of a long text to show, at most `size`, so that no character is cut.
+static int shown_length(const char *text, size_t size)
 {
     const char *end;
-    if (g_utf8_validate(text, TREE_SHOWN_SIZE - 6, &end))
-        end = text + TREE_SHOWN_SIZE - 6;
-    snprintf(shown, TREE_SHOWN_SIZE, "'%.*s...'", (int)(end - text), text);
+    g_utf8_validate(text, (gssize)size, &end);
+    return (int)(end - text);
 }
 
 const char *tree_shown(const struct tree_node *node, char shown[TREE_SHOWN_SIZE])
@@ -119,7 +118,8 @@ const char *tree_shown(const struct tree_node *node, char shown[TREE_SHOWN_SIZE]
     else if (strlen(node->text) + 3 <= TREE_SHOWN_SIZE)
         snprintf(shown, TREE_SHOWN_SIZE, node->quoted ? "'%s'" : "%s", node->text);
     else
-        shown_cut(node->text, shown);
+        snprintf(shown, TREE_SHOWN_SIZE, "'%.*s...'", shown_length(node->text, TREE_SHOWN_SIZE - 6),
+                 node->text);
     return shown;
 }
 
@@ -399,8 +399,8 @@ static struct tree_node *parse(struct tree *tree, const char *source, const char
         .error = error,
     };
     if (size > TREE_TEXT_SIZE_MAX) {
-        fail(&builder, &(yaml_mark_t){0}, "expected at most %d bytes of YAML, found %zu",
-             TREE_TEXT_SIZE_MAX, size);
+        fail(&builder, &(yaml_mark_t){0}, "expected at most %d bytes of YAML, found more",
+             TREE_TEXT_SIZE_MAX);
         return NULL;
     }
     const char *end;
@@ -430,11 +430,19 @@ struct tree *tree_parse(const char *source, const char *text, size_t size, struc
     return tree;
 }
 
+// A file that cannot be read is invalid input like any other: whoever named it can name another.
+static void unreadable(struct error *error, const char *path)
+{
+    char message[ERROR_TEXT_SIZE];
+    snprintf(message, sizeof message, "expected a file that can be read: %s", g_strerror(errno));
+    error_at(error, path, 1, 1, message);
+}
+
 struct tree *tree_load(const char *path, struct error *error)
 {
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
-        error_set(error, STATUS_IO, "%s: %s", path, g_strerror(errno));
+        unreadable(error, path);
         return NULL;
     }
     // One byte more than allowed tells a file that is too long, even one that never ends.
@@ -442,10 +450,7 @@ struct tree *tree_load(const char *path, struct error *error)
     size_t size = fread(text, 1, TREE_TEXT_SIZE_MAX + 1, file);
     struct tree *tree = NULL;
     if (ferror(file))
-        error_set(error, STATUS_IO, "%s: %s", path, g_strerror(errno));
-    else if (size > TREE_TEXT_SIZE_MAX)
-        error_set(error, STATUS_INVALID, "%s:1:1: expected at most %d bytes of YAML, found more",
-                  path, TREE_TEXT_SIZE_MAX);
+        unreadable(error, path);
     else
         tree = tree_parse(path, text, size, error);
     g_free(text);
@@ -591,15 +596,25 @@ static enum status set_steps(struct tree *tree, char **steps, uint32_t depth, co
     return STATUS_OK;
 }
 
+// An assignment stands for itself in messages; of a long one the beginning does.
+static const char *name_assignment(struct tree *tree, const char *assignment)
+{
+    char *source = strlen(assignment) <= TREE_SHOWN_SIZE
+                       ? g_strdup_printf("--set %s", assignment)
+                       : g_strdup_printf("--set %.*s...", shown_length(assignment, TREE_SHOWN_SIZE),
+                                         assignment);
+    one_line(source);
+    const char *kept = g_string_chunk_insert_const(tree->strings, source);
+    g_free(source);
+    return kept;
+}
+
 enum status tree_set(struct tree *tree, const char *assignment, struct error *error)
 {
     const char *equals = strchr(assignment, '=');
     if (!g_utf8_validate(assignment, -1, NULL))
         return error_set(error, STATUS_INVALID, "--set: expected UTF-8");
-    char *source = g_strdup_printf("--set %s", assignment);
-    one_line(source);
-    const char *kept = g_string_chunk_insert_const(tree->strings, source);
-    g_free(source);
+    const char *kept = name_assignment(tree, assignment);
     if (equals == NULL || equals == assignment || equals[1] == '\0')
         return error_set(error, STATUS_INVALID, "%s:1:1: expected KEY.PATH=VALUE", kept);
 

@@ -43,7 +43,7 @@ struct tree;
 // NULL and fills `error` (STATUS_INVALID) when the text is not acceptable. The caller frees it.
 struct tree *tree_parse(const char *source, const char *text, size_t size, struct error *error);
 
-// The same from a file. Errors as above; STATUS_IO when it cannot be read.
+// The same from a file. One that cannot be read is STATUS_INVALID too.
 struct tree *tree_load(const char *path, struct error *error);
 
 void tree_free(struct tree *tree);
