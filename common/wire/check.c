@@ -1,0 +1,240 @@
+#include "common/wire/check.h"
+
+#include "common/numeric/verdict.h"
+
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    FINGERPRINT_SIZE = 8,
+    COUNT_SIZE = 4,
+    SAMPLES_MAX = 65536,         // of one batch
+    TEXT_SIZE_MAX = 1024 * 1024, // [bytes] of a scenario or box that travels in pieces
+    SAMPLING_COUNT = 3,          // enum scenario_sampling (common/scenario/scenario.h)
+    SEARCH_PHASE_COUNT = 5,      // enum search_phase (coordinator/search/search.h)
+    SEARCH_STATUS_COUNT = 4,     // enum search_status (same)
+    RUN_STATE_COUNT = 5,         // see run_status_t.lcm
+};
+
+// Elements of `unit` bytes that fit the largest message of this fixed size.
+#define COUNT_MAX(fixed, unit) ((WIRE_MTU_MAX - TAG_SIZE - (fixed)) / (unit))
+
+// The sizes restate what the .lcm files say; check_test holds them against the generated encoders.
+static const struct check_kind kinds[WIRE_KIND_COUNT] = {
+    [WIRE_SAMPLE_BATCH] = {"SOBOX_BATCH", 0, 114, 8, COUNT_MAX(114, 8)},
+    [WIRE_TEXT] = {"SOBOX_TEXT", 0, 60, 1, COUNT_MAX(60, 1)},
+    [WIRE_OUTCOME_BATCH] = {"SOBOX_OUTCOME", 1, 77, 1, COUNT_MAX(77, 1)},
+    [WIRE_TEXT_REQUEST] = {"SOBOX_TEXT_REQUEST", 1, 52, 0, 0},
+    [WIRE_WORKER_STATUS] = {"SOBOX_WORKER", 2, 177, 0, 0},
+    [WIRE_RUN_STATUS] = {"SOBOX_RUN", 2, 193, 0, 0},
+    [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 98, 8, COUNT_MAX(98, 8)},
+};
+
+const struct check_kind *check_kind(enum wire_kind kind)
+{
+    return &kinds[kind];
+}
+
+size_t check_size_min(enum wire_kind kind)
+{
+    return kinds[kind].fixed_size + TAG_SIZE;
+}
+
+size_t check_size_max(enum wire_kind kind)
+{
+    return check_size_min(kind) + kinds[kind].unit * (size_t)kinds[kind].count_max;
+}
+
+const char *check_result_text(enum check_result result)
+{
+    static const char *const texts[] = {
+#define CHECK_TEXT(name, text) [name] = text,
+        CHECK_LIST(CHECK_TEXT)
+#undef CHECK_TEXT
+    };
+    return texts[result];
+}
+
+// Encoded integers are big-endian and unaligned.
+static uint32_t read_u32(const uint8_t *bytes)
+{
+    return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
+}
+
+static uint64_t read_u64(const uint8_t *bytes)
+{
+    return (uint64_t)read_u32(bytes) << 32 | read_u32(bytes + 4);
+}
+
+// ---- Fields ----
+
+static bool counts_ok(const int64_t *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (values[i] < 0)
+            return false;
+    return true;
+}
+#define NOT_NEGATIVE(...) \
+    counts_ok((const int64_t[]){__VA_ARGS__}, sizeof((int64_t[]){__VA_ARGS__}) / sizeof(int64_t))
+
+static bool share_ok(double share)
+{
+    return share >= 0.0 && share <= 1.0;
+}
+
+// Names are shown on terminals and in browsers: UTF-8 without control characters.
+static bool name_ok(const uint8_t *name, size_t size)
+{
+    const uint8_t *end = memchr(name, '\0', size);
+    if (end == NULL || !g_utf8_validate((const char *)name, end - name, NULL))
+        return false;
+    for (const char *at = (const char *)name; *at != '\0'; at = g_utf8_next_char(at))
+        if (g_unichar_iscntrl(g_utf8_get_char(at)))
+            return false;
+    return true;
+}
+
+// Lower bounds, then as many upper bounds; all finite, lower <= upper.
+static bool bounds_ok(const double *bounds, int32_t count, int32_t count_max)
+{
+    if (count < 0 || count > count_max || count % 2 != 0)
+        return false;
+    for (int32_t i = 0; i < count / 2; i++) {
+        double lower = bounds[i], upper = bounds[count / 2 + i];
+        if (!isfinite(lower) || !isfinite(upper) || lower > upper)
+            return false;
+    }
+    return true;
+}
+
+static bool samples_ok(int32_t first, int32_t count)
+{
+    return first >= 0 && count >= 1 && count <= SAMPLES_MAX;
+}
+
+static bool sample_batch_ok(const sobox_sample_batch_t *m)
+{
+    return m->holder != 0 && NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt) &&
+           samples_ok(m->first, m->count) &&
+           m->step_samples >= (int64_t)m->first + (int64_t)m->count && m->sampling >= 0 &&
+           m->sampling < SAMPLING_COUNT && m->detail >= 0 && m->detail < VERDICT_DETAIL_COUNT &&
+           bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SAMPLE_BATCH].count_max);
+}
+
+static bool outcome_batch_ok(const sobox_outcome_batch_t *m)
+{
+    if (!NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt, m->non_finite, m->queue,
+                      m->service_ns) ||
+        !samples_ok(m->first, m->count) || m->non_finite > m->count || m->detail < 0 ||
+        m->detail >= VERDICT_DETAIL_COUNT || m->packed_size < 1 ||
+        m->packed_size > kinds[WIRE_OUTCOME_BATCH].count_max)
+        return false;
+    // A bit a sample at least; the schedule unpacks them and looks closer.
+    size_t greatest = verdict_packed_size_max((uint32_t)m->count, (enum verdict_detail)m->detail);
+    return m->packed_size >= (m->count + 7) / 8 && (size_t)m->packed_size <= greatest;
+}
+
+static bool text_ok(const sobox_text_t *m)
+{
+    return m->total_size >= 1 && m->total_size <= TEXT_SIZE_MAX && m->piece_size >= 1 &&
+           m->piece_size <= kinds[WIRE_TEXT].count_max && m->piece_size <= m->total_size &&
+           m->offset >= 0 && m->offset <= m->total_size - m->piece_size;
+}
+
+static bool text_request_ok(const sobox_text_request_t *m)
+{
+    return m->offset >= 0 && m->offset < TEXT_SIZE_MAX;
+}
+
+static bool worker_status_ok(const sobox_worker_status_t *m)
+{
+    return name_ok(m->host, sizeof m->host) && m->threads >= 1 &&
+           (m->leaving == 0 || m->leaving == 1) &&
+           NOT_NEGATIVE(m->process, m->queue, m->batches, m->samples, m->busy_ns, m->uptime_ns,
+                        m->lost, m->dropped, m->buffer_size);
+}
+
+static bool run_status_ok(const sobox_run_status_t *m)
+{
+    return name_ok(m->name, sizeof m->name) && m->state >= 0 && m->state < RUN_STATE_COUNT &&
+           m->searches >= 1 && m->searches_done <= m->searches &&
+           NOT_NEGATIVE(m->searches_done, m->workers, m->workers_refused, m->samples, m->batches,
+                        m->released, m->duplicates, m->rejected, m->lost, m->elapsed_ns,
+                        m->service_ns);
+}
+
+static bool search_status_ok(const sobox_search_status_t *m)
+{
+    return NOT_NEGATIVE(m->search, m->step, m->step_count, m->evaluations) && m->phase >= 0 &&
+           m->phase < SEARCH_PHASE_COUNT && m->status >= 0 && m->status < SEARCH_STATUS_COUNT &&
+           share_ok(m->good_share) && share_ok(m->purity_lower95) && m->log_volume <= 0.0 &&
+           bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SEARCH_STATUS].count_max);
+}
+
+bool check_fields(enum wire_kind kind, const void *message)
+{
+    const sobox_header_t *header = message;
+    if (header->sender == 0)
+        return false;
+    switch (kind) {
+#define CHECK_CASE(value, name) \
+    case value:                 \
+        return name##_ok(message);
+        CODEC_LIST(CHECK_CASE)
+#undef CHECK_CASE
+    case WIRE_KIND_COUNT:
+        break;
+    }
+    return false;
+}
+
+// ---- Packets ----
+
+static void read_header(const uint8_t *bytes, sobox_header_t *header)
+{
+    bytes += FINGERPRINT_SIZE;
+    *header = (sobox_header_t){.protocol = (int32_t)read_u32(bytes),
+                               .sequence = (int32_t)read_u32(bytes + 4),
+                               .sender = (int64_t)read_u64(bytes + 8),
+                               .run = (int64_t)read_u64(bytes + 16)};
+}
+
+// Whether the count in the message is the one that its size leaves room for, exactly.
+static bool count_ok(const struct check_kind *layout, const uint8_t *bytes, size_t size)
+{
+    size_t array_size = size - layout->fixed_size;
+    if (layout->unit == 0)
+        return array_size == 0;
+    uint32_t count = read_u32(bytes + layout->fixed_size - COUNT_SIZE);
+    return count <= (uint32_t)layout->count_max && array_size == count * layout->unit;
+}
+
+enum check_result check_packet(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                               const struct tag_key *key, union codec_message *message)
+{
+    const struct check_kind *layout = &kinds[kind];
+    if (size < CHECK_FOREIGN_SIZE_MIN || size > WIRE_MTU_MAX)
+        return CHECK_SIZE;
+    size_t encoded_size = size - TAG_SIZE;
+    memset(message, 0, sizeof *message);
+    read_header(bytes, &message->header);
+    // Fingerprint and header stand at the same place in every version, so that another version is
+    // told from damage; its sizes and types are not ours to judge.
+    bool foreign = message->header.protocol != WIRE_PROTOCOL;
+    if (!foreign && (size < check_size_min(kind) || size > check_size_max(kind)))
+        return CHECK_SIZE;
+    if (!foreign && (int64_t)read_u64(bytes) != codec_fingerprint(kind))
+        return CHECK_TYPE;
+    if (!tag_matches(bytes + encoded_size, layout->channel, bytes, encoded_size, key))
+        return CHECK_TAG;
+    if (foreign)
+        return CHECK_FOREIGN;
+    if (!count_ok(layout, bytes, encoded_size))
+        return CHECK_COUNT;
+    if (codec_decode(kind, bytes, encoded_size, message) && check_fields(kind, message))
+        return CHECK_GOOD;
+    codec_release(kind, message);
+    return CHECK_FIELD;
+}
