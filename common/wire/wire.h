@@ -6,13 +6,13 @@
 //   P+1 outcomes SOBOX_OUTCOME SOBOX_TEXT_REQUEST              workers      coordinator
 //   P+2 status   SOBOX_WORKER SOBOX_RUN SOBOX_SEARCH           all          all who watch
 //
-// P is the port of the URL. Three ports, because LCM 1.3.1 keeps groups apart by port only and every
-// listener of a port costs each sender; a port is opened for listening only when one of its
+// P is the port of the URL. Three ports, because LCM 1.3.1 keeps groups apart by port only and
+// every listener of a port costs each sender; a port is opened for listening only when one of its
 // channels is subscribed to. With memq:// all channels share the one queue.
 //
 // A received packet is borrowed bytes until proven: size within the channel's limits, fingerprint
-// and protocol of this version, the tag behind the encoded message right, counts that agree with the
-// size, fields within the ranges their .lcm file states; only then it is decoded and handed on.
+// and protocol of this version, the tag behind the encoded message right, counts that agree with
+// the size, fields within the ranges their .lcm file states; only then it is decoded and handed on.
 // Everything else is counted and dropped. LCM's own fragments never reach LCM: a kernel filter
 // drops them, because LCM 1.3.1 can be crashed by them.
 //
@@ -28,9 +28,9 @@
 #include <stdint.h>
 
 enum {
-    WIRE_PROTOCOL = 1,         // version of the messages and their meaning
-    WIRE_MTU_DEFAULT = 1400,   // [bytes] a message with its tag fits one Ethernet frame
-    WIRE_MTU_MAX = 60000,      // [bytes] above this LCM would fragment
+    WIRE_PROTOCOL = 1,       // version of the messages and their meaning
+    WIRE_MTU_DEFAULT = 1400, // [bytes] a message with its tag fits one Ethernet frame
+    WIRE_MTU_MAX = 60000,    // [bytes] above this LCM would fragment
     WIRE_PORT_COUNT = 3,
 };
 
@@ -52,14 +52,16 @@ struct wire_settings {
 
 // What went through, for status messages and for people.
 struct wire_counters {
-    uint64_t published;    // messages handed to LCM
-    uint64_t failed;       // that LCM could not send
-    uint64_t received;     // that passed every check
-    uint64_t rejected;     // that failed one
-    uint64_t foreign;      // of another protocol version (not counted as rejected)
-    uint64_t lost;         // gaps in the senders' sequences
-    uint64_t dropped;      // datagrams the kernel dropped for want of buffer
-    uint32_t buffer_size;  // receive buffer the kernel granted [bytes]; least over the open ports
+    uint64_t published;   // messages handed to LCM
+    uint64_t failed;      // that LCM could not send
+    uint64_t received;    // that passed every check
+    uint64_t rejected;    // that failed one
+    uint64_t foreign;     // of another protocol version (not counted as rejected)
+    uint64_t lost;        // gaps in the senders' sequences
+    uint64_t dropped;     // datagrams the kernel dropped: for want of buffer, or by the filter
+    uint32_t buffer_size; // receive buffer the kernel granted [bytes]; least over the open ports;
+                          // 0 with memq://
+    int32_t foreign_protocol; // version of the last foreign message
 };
 
 // A checked, decoded message: a pointer to the type that `kind` names, borrowed until the handler
@@ -71,12 +73,12 @@ struct wire;
 // Default settings: memq://, WIRE_MTU_DEFAULT.
 struct wire_settings wire_settings_default(void);
 
-// Opens the wire. `sender` is this process's random number (not 0). Messages from the process itself
-// are delivered too: over memq:// they are all there is. Complements the URL's options where they
-// are missing (ttl=0, a generous recv_buf_size).
-// Errors: STATUS_INVALID (URL that is not memq:// or udpm://ADDRESS:PORT, port above 65533, not a
-// multicast address, mtu out of range), STATUS_NETWORK (no multicast route: the text names the
-// remedy; port in use by a program that does not share it; self test failed).
+// Opens the wire. `sender` is this process's random number (not 0). Messages from the process
+// itself are delivered too: over memq:// they are all there is. Complements the URL's options where
+// they are missing (ttl=0, a generous recv_buf_size). Errors: STATUS_INVALID (URL that is not
+// memq:// or udpm://ADDRESS:PORT, port above 65533, not a multicast address, mtu out of range),
+// STATUS_NETWORK (no multicast route: the text names the remedy; port in use by a program that does
+// not share it; self test failed).
 enum status wire_open(struct wire **wire, const struct wire_settings *settings, uint64_t sender,
                       struct error *error) MUST_USE;
 
@@ -91,7 +93,8 @@ enum status wire_subscribe(struct wire *wire, enum wire_kind kind, wire_handler 
 
 // Sends a message: fills its header (protocol, sequence, sender; the caller sets header.run) and
 // encodes it with its tag. Returns STATUS_OK when LCM took it, which proves nothing about delivery;
-// STATUS_INVALID when it is larger than the mtu; STATUS_NETWORK when LCM could not send it.
+// STATUS_INVALID when it is larger than the mtu or a field is out of the range its .lcm file
+// states; STATUS_NETWORK when LCM could not send it (with memq://: when its queue is full).
 enum status wire_publish(struct wire *wire, enum wire_kind kind, void *message);
 
 // File descriptors to poll for reading; fills at most WIRE_PORT_COUNT and returns how many there
@@ -107,7 +110,8 @@ size_t wire_dispatch(struct wire *wire, size_t limit);
 uint64_t wire_heard(const struct wire *wire);
 
 // Closes LCM and opens it anew with the same subscriptions: after a route or an interface changed,
-// LCM stays deaf without saying so. memq:// is left alone.
+// LCM stays deaf without saying so. memq:// is left alone. After a failure the wire is silent and
+// deaf (publishing gives STATUS_NETWORK) until another call succeeds.
 enum status wire_reopen(struct wire *wire, struct error *error) MUST_USE;
 
 // The greatest number of payload bytes (bounds, packed verdicts, text piece) that a message of

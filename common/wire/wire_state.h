@@ -1,0 +1,46 @@
+// What a wire holds; for the sources of this folder only.
+#ifndef SOBOX_COMMON_WIRE_WIRE_STATE_H
+#define SOBOX_COMMON_WIRE_WIRE_STATE_H
+
+#include "common/wire/sequence.h"
+#include "common/wire/tag.h"
+#include "common/wire/url.h"
+#include "common/wire/wire.h"
+
+#include <glib.h>
+#include <lcm/lcm.h>
+
+// One lcm_t a port; with memq:// there is only the first, for all kinds.
+struct wire_port {
+    lcm_t *lcm;            // NULL while LCM could not be opened
+    bool listening;        // its descriptor is polled; a port that only sends never binds
+    int socket;            // that LCM receives with, owned by LCM; -1 with memq://
+    uint32_t buffer_size;  // the kernel granted [bytes]
+    uint32_t dropped_last; // the kernel's count when last read
+};
+
+// One kind of message: who handles it, and this process's next number for it.
+struct wire_slot {
+    struct wire *wire;
+    enum wire_kind kind;
+    wire_handler *handler; // NULL: not subscribed
+    void *user;
+    uint32_t sequence;
+};
+
+struct wire {
+    struct url url;
+    uint32_t mtu;
+    uint64_t sender;
+    const struct tag_key *key; // NULL: tags are checksums
+    struct wire_port ports[WIRE_PORT_COUNT];
+    struct wire_slot slots[WIRE_KIND_COUNT];
+    struct wire_counters counters;
+    struct sequence *heard;
+    size_t queued;    // messages in memq's queue
+    bool dispatching; // LCM does not allow to handle within a handler
+    GSource *source;  // NULL while detached
+    uint8_t packet[WIRE_MTU_MAX];
+};
+
+#endif
