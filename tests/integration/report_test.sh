@@ -1,0 +1,122 @@
+# Plots and exports of a run folder.
+# shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
+
+# Everything but the journal can be made from it again.
+report_is_made_from_the_journal_alone()
+{
+    run 0 sobox-coordinator "$scenario" --out run
+    cp -r run whole
+    rm run/result.json run/corridors.csv run/history.csv run/corridors.svg
+    run 0 sobox-report run
+    expect_same_run whole run
+    expect_files run/corridors.svg
+}
+
+_interrupted_run()
+{
+    start coordinator sobox-coordinator "$scenario" --out run --set search.samples=4000 \
+        --set search.exploration_steps=60
+    wait_for_steps run 3
+    press_ctrl_c coordinator
+    finish 130 coordinator
+}
+
+run_that_was_interrupted_can_be_reported()
+{
+    _interrupted_run
+    run 0 sobox-report run
+    expect_files run/corridors.svg run/corridors.csv
+    expect_equal "$(json run/result.json '$.searches[0].status')" running 'status in result.json'
+}
+
+run_that_was_killed_can_be_reported()
+{
+    start coordinator sobox-coordinator "$scenario" --out run --set search.samples=4000 \
+        --set search.exploration_steps=60
+    wait_for_steps run 3
+    signal KILL coordinator
+    finish 137 coordinator
+    run 0 sobox-report run
+    expect_files run/corridors.svg
+}
+
+run_that_goes_on_can_be_reported()
+{
+    start coordinator sobox-coordinator "$scenario" --out run --url "$url"
+    wait_for_line coordinator 'waiting for a worker'
+    run 0 sobox-report run
+    start worker sobox-worker --url "$url"
+    finish 0 coordinator
+}
+
+_begins_with() # FILE BYTES
+{
+    [ "$(head -c "${#2}" "$1")" = "$2" ] || fail "$1 is none: it begins with $(head -c 16 "$1")"
+}
+
+picture_comes_as_svg_png_and_pdf()
+{
+    run 0 sobox-coordinator "$scenario" --out run
+    run 0 sobox-report run --format png
+    run 0 sobox-report run --format pdf
+    _begins_with run/corridors.svg '<?xml'
+    head -c 8 run/corridors.png | grep -qa PNG || fail 'corridors.png is none'
+    _begins_with run/corridors.pdf '%PDF'
+    run 2 sobox-report run --format bmp
+    expect_said err 'svg'
+}
+
+# The user may edit the script that drew the picture, and draw it again.
+script_of_the_picture_is_left_for_editing()
+{
+    run 0 sobox-coordinator "$scenario" --out run
+    expect_files run/corridors.gp
+    rm run/corridors.svg
+    (cd run && run 0 gnuplot corridors.gp)
+    expect_files run/corridors.svg
+}
+
+second_run_is_laid_over_the_first()
+{
+    run 0 sobox-coordinator "$scenario" --out rotating --set response=rotating
+    run 0 sobox-coordinator "$scenario" --out glancing --set response=glancing_off
+    cp rotating/corridors.svg alone.svg
+    run 0 sobox-report rotating --compare glancing
+    ! cmp -s alone.svg rotating/corridors.svg || fail 'the second run does not show'
+    run 2 sobox-report rotating --compare nowhere
+    expect_said err nowhere
+}
+
+# Axes divided by their greatest value: no force of the design space may be read from the picture.
+normalised_picture_shows_no_force()
+{
+    run 0 sobox-coordinator "$scenario" --out run
+    grep -qE '>[^<]*kN' run/corridors.svg || fail 'the plain picture names no unit of force'
+    run 0 sobox-report run --normalise
+    ! grep -qE '>[^<]*(kN|450)' run/corridors.svg || fail 'the normalised picture shows forces'
+}
+
+folder_without_a_run_is_refused()
+{
+    mkdir empty
+    run 2 sobox-report empty
+    expect_said err empty
+    run 2 sobox-report nowhere
+    expect_said err nowhere
+    expect_no nowhere
+}
+
+picture_is_told_to_be_missing_when_gnuplot_is()
+{
+    run 0 sobox-coordinator "$scenario" --out run
+    mkdir programs
+    ln -s "$(command -v sobox-report)" programs/
+    ln -s "$(command -v sobox-coordinator)" programs/
+    run 1 env PATH="$folder/programs" sobox-report run
+    expect_said err gnuplot
+    # The corridors themselves do not depend on it.
+    run 0 env PATH="$folder/programs" sobox-coordinator "$scenario" --out plain
+    expect_files plain/corridors.csv
+    expect_said err gnuplot
+    expect_no plain/corridors.svg
+}
