@@ -12,7 +12,7 @@ scenario_without_a_good_design_ends_with_status_3()
 every_program_tells_its_version()
 {
     local program
-    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report sobox-monitor; do
         run 0 "$program" --version
         expect_said out "^$program [0-9]+[.][0-9]+[.][0-9]+$"
         expect_one_line out
@@ -23,7 +23,7 @@ every_program_tells_its_version()
 every_program_explains_itself()
 {
     local program
-    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report sobox-monitor; do
         run 0 "$program" --help
         expect_said out 'Exit status'
         expect_said out '[-][-]version'
@@ -33,7 +33,7 @@ every_program_explains_itself()
 wrong_usage_ends_with_status_2()
 {
     local program
-    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report; do
+    for program in sobox-coordinator sobox-worker sobox-simulate sobox-report sobox-monitor; do
         run 2 "$program" --no-such-option
         expect_said err 'no-such-option'
     done
