@@ -57,7 +57,7 @@ uint32_t cut_count(const struct schedule_settings *settings, const struct roster
     uint32_t count = (share - 1) / parts + 1;
     if (cap >= CUT_LANES)
         count = count_min(cap, (count - 1) / CUT_LANES * CUT_LANES + CUT_LANES);
-    if (rest <= cap && rest - count_min(rest, count) < count / 2)
+    if (rest <= cap && rest - count_min(rest, count) <= count / 8)
         return rest;
     return count_min(rest, count);
 }

@@ -51,15 +51,17 @@ static struct lease *lease_slot(struct backlog_batch *batch)
     return slot;
 }
 
-// How long after its start the outcome is surely overdue, if all goes as it did so far: all the
-// work before it and its own at the worker's mean, then four deviations of it and the delay.
+// How long after its start the outcome is overdue, if all goes as it did so far: the work before it
+// and its own at the worker's mean, four deviations of that, and the delay's bound. Half of the
+// work is allowed on top even where measurements never differed: a machine gets another job now and
+// then.
 static int64_t lease_overdue_ns(const struct lease *lease)
 {
     const struct roster_worker *worker = lease->worker;
     double work_ns = (double)lease->ahead_ns + (double)lease->expected_ns;
-    double spread = worker->service.measured && worker->service.mean > 0
-                        ? 4 * worker->service.deviation / worker->service.mean
-                        : 1;
+    double spread = 1;
+    if (worker->service.measured)
+        spread = fmax(4 * worker->service.deviation / worker->service.mean, 0.5);
     return ns_of(work_ns * (1 + spread) + estimate_bound(&worker->delay));
 }
 
@@ -72,7 +74,7 @@ static void lease_schedule(struct lease_book *book, struct lease *lease)
         least_ns = ns_max(least_ns, LEASE_FIRST_NS);
     int64_t overdue_ns = lease_overdue_ns(lease);
     uint32_t backoff = lease->attempt < LEASE_BACKOFF_MAX ? lease->attempt : LEASE_BACKOFF_MAX;
-    int64_t duration_ns = ns_max(least_ns, overdue_ns) << backoff;
+    int64_t duration_ns = ns_max(least_ns, 2 * overdue_ns) << backoff;
     // Work that is known to take longer than the greatest lease is not cut off.
     int64_t most_ns = ns_max(settings->lease_max_ns, 2 * (lease->ahead_ns + lease->expected_ns));
     lease->end_ns = lease->start_ns + ns_min(duration_ns, most_ns);

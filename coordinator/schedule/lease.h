@@ -1,9 +1,13 @@
 // A batch handed to one worker until a deadline.
 //
-//     start         late                                end
-//       |------------|-----------------------------------|
-//       expected +    an idle worker may take a copy      the batch is handed out again
-//       4 deviations
+//     start                late                            end
+//       |-------------------|-------------------------------|
+//        expected work       an idle worker may take a copy  the batch is handed out again
+//        + 4 deviations
+//        + delay
+//
+// The end is twice as far from the start as late is, and not below lease_min_ns; late is not below
+// a quarter of that. Each further attempt has twice the time of the one before.
 //
 // A lease lives in its batch. When it has ended it stays there for a while, so that an outcome that
 // comes after all still tells how long that worker takes: that is how leases that are too short
@@ -17,11 +21,11 @@
 struct backlog_batch;
 
 enum {
-    LEASE_ACTIVE_MAX = 2, // of a batch at once: the holder's and one copy
-    LEASE_KEPT_MAX = 4,   // of a batch, active and ended
-    LEASE_PASSED_MAX = 3, // later leases of the same worker answered: this one is lost. Workers
-                          // work in order, networks reorder neighbours: TCP's three duplicate
-                          // acknowledgements (RFC 5681, section 3.2)
+    LEASE_ACTIVE_MAX = 2,  // of a batch at once: the holder's and one copy
+    LEASE_KEPT_MAX = 4,    // of a batch, active and ended
+    LEASE_PASSED_MAX = 3,  // later leases of the same worker answered: this one is lost. Workers
+                           // work in order, networks reorder neighbours: TCP's three duplicate
+                           // acknowledgements (RFC 5681, section 3.2)
     LEASE_BACKOFF_MAX = 3, // doublings of a lease from attempt to attempt: an estimate far too
                            // short grows eightfold, and under heavy loss nobody waits for minutes
 };
