@@ -1,0 +1,250 @@
+// sobox-worker: a worker as a program of its own. Any number of them, on any machine, may come and
+// go while a coordinator runs.
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/numeric/digest.h"
+#include "worker/batch/fingerprint.h"
+#include "worker/runtime/worker.h"
+
+#include <glib-unix.h>
+#include <glib.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#define URL_DEFAULT "udpm://239.255.76.67:7667?ttl=1"
+
+enum { PARENT_INTERVAL_S = 1 };
+
+struct options {
+    char *url;
+    long threads;
+    long priority;
+    long mtu;
+    long parent; // 0: none
+    gboolean quiet;
+    gboolean verbose;
+    gboolean version;
+};
+
+// The options that are numbers, with their ranges.
+struct number_option {
+    const char *name;
+    size_t offset; // of a long in struct options
+    long min;
+    long max;
+};
+
+static const struct number_option number_options[] = {
+    {"--threads", offsetof(struct options, threads), 0, WORKER_THREADS_MAX},
+    {"--priority", offsetof(struct options, priority), 0, WORKER_PRIORITY_MAX},
+    {"--mtu", offsetof(struct options, mtu), WIRE_MTU_DEFAULT, WIRE_MTU_MAX},
+    {"--parent", offsetof(struct options, parent), 1, INT32_MAX},
+};
+
+static gboolean read_number(const char *name, const char *value, gpointer options, GError **error)
+{
+    const struct number_option *option = number_options;
+    while (strcmp(option->name, name) != 0)
+        option++;
+    gint64 number;
+    if (!g_ascii_string_to_signed(value, 10, option->min, option->max, &number, NULL)) {
+        g_set_error(error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE,
+                    "%s: expected a whole number from %ld to %ld, found '%s'", name, option->min,
+                    option->max, value);
+        return FALSE;
+    }
+    *(long *)((char *)options + option->offset) = (long)number;
+    return TRUE;
+}
+
+static GOptionContext *options_context(struct options *options)
+{
+    const GOptionEntry entries[] = {
+        {"url", 0, 0, G_OPTION_ARG_STRING, &options->url,
+         "Where the coordinator is (default: $SOBOX_URL, $LCM_DEFAULT_URL, " URL_DEFAULT ")",
+         "URL"},
+        {"threads", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+         "Threads that compute (default: 0, as many as there are cores)", "N"},
+        {"priority", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+         "Nice value added for them, 0 to 19 (default: 10)", "N"},
+        {"mtu", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+         "Greatest message, 1400 to 60000 bytes (default: 1400)", "BYTES"},
+        {"parent", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+         "End when this process, which must be the parent, ends", "PID"},
+        {"quiet", 0, 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
+        {"verbose", 0, 0, G_OPTION_ARG_NONE, &options->verbose, "Print every decision", NULL},
+        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version,
+         "Print version, protocol and kernel fingerprint", NULL},
+        {0},
+    };
+    GOptionContext *context = g_option_context_new(NULL);
+    GOptionGroup *group = g_option_group_new("main", "", "", options, NULL);
+    g_option_group_add_entries(group, entries);
+    g_option_context_set_main_group(context, group);
+    g_option_context_set_summary(context,
+                                 "Evaluates designs for the coordinators on the network, on all "
+                                 "cores, until it is stopped.");
+    return context;
+}
+
+static enum status read_options(struct options *options, int argc, char **argv, struct error *error)
+{
+    enum status status = STATUS_OK;
+    GOptionContext *context = options_context(options);
+    g_autoptr(GError) problem = NULL;
+    if (!g_option_context_parse(context, &argc, &argv, &problem))
+        status = error_set(error, STATUS_INVALID, "%s (see --help)", problem->message);
+    else if (argc > 1)
+        status = error_set(error, STATUS_INVALID,
+                           "unexpected '%s': expected options only "
+                           "(see --help)",
+                           argv[1]);
+    g_option_context_free(context);
+    return status;
+}
+
+static const char *url_wanted(const struct options *options)
+{
+    const char *urls[] = {options->url, g_getenv("SOBOX_URL"), g_getenv("LCM_DEFAULT_URL")};
+    for (size_t i = 0; i < G_N_ELEMENTS(urls); i++) {
+        if (urls[i] != NULL && urls[i][0] != '\0')
+            return urls[i];
+    }
+    return URL_DEFAULT;
+}
+
+static gboolean stop_loop(gpointer loop)
+{
+    g_main_loop_quit(loop);
+    return G_SOURCE_CONTINUE;
+}
+
+// ---- A worker that a coordinator started ends with it, even when that is killed ----
+
+struct parent_watch {
+    pid_t parent;
+    GMainLoop *loop;
+};
+
+static gboolean check_parent(gpointer user)
+{
+    const struct parent_watch *watch = user;
+    if (getppid() != watch->parent)
+        g_main_loop_quit(watch->loop);
+    return G_SOURCE_CONTINUE;
+}
+
+// The kernel's signal comes at once. But it is bound to the parent's thread that started this
+// process, and lost if the parent has ended before it is asked for, so a glance now and each second
+// goes with it.
+static bool watch_parent(struct parent_watch *watch)
+{
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    g_timeout_add_seconds(PARENT_INTERVAL_S, check_parent, watch);
+    return getppid() == watch->parent;
+}
+
+// ---- The whole ----
+
+static void print_version(void)
+{
+    char hex[DIGEST_HEX_SIZE];
+    struct digest fingerprint = fingerprint_compute();
+    printf("sobox-worker %s\nprotocol %d\nfingerprint %s\n", SOBOX_VERSION, WIRE_PROTOCOL,
+           digest_hex(&fingerprint, hex));
+}
+
+static enum status open_wire(struct wire **wire, const struct options *options, uint64_t *sender,
+                             struct error *error)
+{
+    struct wire_settings settings = wire_settings_default();
+    settings.url = url_wanted(options);
+    settings.mtu = (uint32_t)options->mtu;
+    if (g_str_has_prefix(settings.url, "memq:"))
+        return error_set(error, STATUS_INVALID,
+                         "--url: %s reaches nobody outside this process: expected "
+                         "udpm://ADDRESS:PORT?ttl=N",
+                         settings.url);
+    do {
+        if (getentropy(sender, sizeof *sender) != 0)
+            return error_set(error, STATUS_FAILED, "the kernel gives no random numbers");
+    } while (*sender == 0);
+    return wire_open(wire, &settings, *sender, error);
+}
+
+static void say_hello(const struct options *options, const struct worker *worker,
+                      const struct wire *wire)
+{
+    log_note("listening on %s with %d thread%s", url_wanted(options), worker_threads(worker),
+             worker_threads(worker) == 1 ? "" : "s");
+    if (wire_leaves_machine(wire))
+        log_note("anyone on this network can take part: messages carry no key. Use a network you "
+                 "trust, or ttl=0 to stay on this machine");
+}
+
+static void say_goodbye(const struct worker *worker)
+{
+    struct worker_counters counters;
+    worker_counters(worker, &counters);
+    log_note("ends after %" PRIu64 " batches, %" PRIu64 " samples, %.1f s of computing",
+             counters.batches, counters.samples, (double)counters.busy_ns * 1e-9);
+}
+
+static enum status run(const struct options *options, struct error *error)
+{
+    struct wire *wire = NULL;
+    struct worker *worker = NULL;
+    uint64_t sender;
+    GMainLoop *loop = g_main_loop_new(NULL, FALSE);
+    struct parent_watch watch = {.parent = (pid_t)options->parent, .loop = loop};
+    g_unix_signal_add(SIGINT, stop_loop, loop);
+    g_unix_signal_add(SIGTERM, stop_loop, loop);
+    enum status status = STATUS_OK;
+    if (options->parent != 0 && !watch_parent(&watch))
+        goto end;
+
+    status = open_wire(&wire, options, &sender, error);
+    if (status != STATUS_OK)
+        goto end;
+    struct worker_settings settings = worker_settings_default();
+    settings.threads = (int)options->threads;
+    settings.priority = (int)options->priority;
+    settings.reopen = true;
+    settings.notes = true;
+    status = worker_start(&worker, wire, sender, &settings, error);
+    if (status != STATUS_OK)
+        goto end;
+    say_hello(options, worker, wire);
+    g_main_loop_run(loop);
+    say_goodbye(worker);
+end:
+    worker_stop(worker);
+    wire_close(wire);
+    g_main_loop_unref(loop);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    log_start("sobox-worker", LOG_NORMAL);
+    struct options options = {.priority = WORKER_PRIORITY_DEFAULT, .mtu = WIRE_MTU_DEFAULT};
+    struct error error = {0};
+    enum status status = read_options(&options, argc, argv, &error);
+    if (status == STATUS_OK && options.version) {
+        print_version();
+    } else if (status == STATUS_OK) {
+        log_start("sobox-worker", options.quiet     ? LOG_QUIET
+                                  : options.verbose ? LOG_DEBUG
+                                                    : LOG_NORMAL);
+        status = run(&options, &error);
+    }
+    if (status != STATUS_OK)
+        log_error("%s", error.text);
+    g_free(options.url);
+    return (int)status_exit(status);
+}
