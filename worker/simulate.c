@@ -1,0 +1,348 @@
+// sobox-simulate: one design through the crash model. Prints its outcomes as JSON, writes its
+// trajectory, compares it with a measured or finite-element motion.
+#include "common/base/error.h"
+#include "common/base/log.h"
+#include "common/scenario/scenario_read.h"
+#include "worker/batch/batch.h"
+#include "worker/kinematics/kinematics.h"
+#include "worker/models/design.h"
+#include "worker/models/motion.h"
+#include "worker/models/small_overlap.h"
+
+#include <glib.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char program_summary[] =
+    "Simulates one design of a scenario and prints its outcomes as one JSON object, with\n"
+    "\"good\", whether it meets all constraints, and \"violated\", those that it does not.";
+
+static const char program_description[] =
+    "A design file has the columns spring,branch,deformation_m,force_x_N,force_y_N; branch is "
+    "load\n"
+    "or unload. A reference has time_s and any of x_m, y_m (place of the centre of gravity in the\n"
+    "scenario's axes: forwards is -x) and yaw_rad; what is printed of it is the mean absolute "
+    "error.\n"
+    "\n"
+    "Exit status: 0 done; 1 failed while running; 2 usage or invalid input.";
+
+struct options {
+    char *design; // a file or a place of the design space
+    char **set;
+    char *trajectory;
+    char *compare;
+    gboolean version;
+    char *scenario;
+};
+
+// What a simulated design left behind.
+struct simulation {
+    struct kinematics_problem *problem;
+    double *outcomes; // (outcome)
+    double *rows;     // (row x column) the trajectory
+};
+
+// ---- Options ----
+
+static enum status options_parse(struct options *options, int argc, char **argv,
+                                 struct error *error)
+{
+    const GOptionEntry entries[] = {
+        {"design", 'd', 0, G_OPTION_ARG_FILENAME, &options->design,
+         "Forces of a CSV file, or of the design space: centre, lower, upper (default: centre)",
+         "FILE.csv|centre|lower|upper"},
+        {"set", 's', 0, G_OPTION_ARG_STRING_ARRAY, &options->set,
+         "Override a key of the scenario, for instance vehicle.mass=1800; may be repeated",
+         "KEY.PATH=VALUE"},
+        {"trajectory", 't', 0, G_OPTION_ARG_FILENAME, &options->trajectory,
+         "Write the motion and the springs of every time step", "FILE.csv"},
+        {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
+         "Print the mean absolute errors from this motion", "REF.csv"},
+        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
+        {NULL},
+    };
+    GOptionContext *context = g_option_context_new("SCENARIO.yaml");
+    g_option_context_set_summary(context, program_summary);
+    g_option_context_set_description(context, program_description);
+    g_option_context_add_main_entries(context, entries, NULL);
+    g_autoptr(GError) reason = NULL;
+    enum status status = STATUS_OK;
+    if (!g_option_context_parse(context, &argc, &argv, &reason)) {
+        status = error_set(error, STATUS_INVALID, "%s (see --help)", reason->message);
+    } else if (!options->version && argc != 2) {
+        status = error_set(error, STATUS_INVALID,
+                           "expected one scenario: sobox-simulate SCENARIO.yaml (see --help), "
+                           "found %d",
+                           argc - 1);
+    } else if (argc == 2) {
+        options->scenario = g_strdup(argv[1]);
+    }
+    g_option_context_free(context);
+    return status;
+}
+
+static void options_fini(struct options *options)
+{
+    g_free(options->design);
+    g_strfreev(options->set);
+    g_free(options->trajectory);
+    g_free(options->compare);
+    g_free(options->scenario);
+}
+
+// ---- Input ----
+
+// Reads a whole file. A file that the user named and that cannot be read is invalid input.
+static enum status read_text(const char *path, char **text, size_t *size, struct error *error)
+{
+    g_autoptr(GError) reason = NULL;
+    if (!g_file_get_contents(path, text, size, &reason)) {
+        return error_set(error, STATUS_INVALID, "%s: %s", path, reason->message);
+    }
+    return STATUS_OK;
+}
+
+static enum status read_scenario(const struct options *options, struct scenario *scenario,
+                                 struct error *error)
+{
+    const size_t set_count = options->set != NULL ? g_strv_length(options->set) : 0;
+    enum status status = scenario_read_file(scenario, options->scenario,
+                                            (const char *const *)options->set, set_count, error);
+    if (status == STATUS_IO) {
+        error->status = status = STATUS_INVALID;
+    }
+    return status;
+}
+
+static enum status read_design(const char *wanted, const struct scenario *scenario,
+                               struct design *design, struct error *error)
+{
+    static const char *const places[] = {
+        [DESIGN_CENTRE] = "centre",
+        [DESIGN_LOWER] = "lower",
+        [DESIGN_UPPER] = "upper",
+    };
+    if (wanted == NULL) {
+        wanted = places[DESIGN_CENTRE];
+    }
+    for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
+        if (strcmp(wanted, places[i]) == 0) {
+            design_init_place(design, scenario, (enum design_place)i);
+            return STATUS_OK;
+        }
+    }
+    g_autofree char *text = NULL;
+    size_t size;
+    if (read_text(wanted, &text, &size, error) != STATUS_OK) {
+        return STATUS_INVALID;
+    }
+    return design_parse(design, scenario, wanted, text, size, error);
+}
+
+// ---- The simulation ----
+
+static void simulation_run(struct simulation *simulation, const struct scenario *scenario,
+                           const struct design *design)
+{
+    struct kinematics_problem *problem = small_overlap_problem(scenario, design);
+    const size_t columns = kinematics_column_count(problem);
+    simulation->problem = problem;
+    simulation->outcomes = g_new(double, kinematics_result_count(problem));
+    simulation->rows = g_new(double, kinematics_row_count(problem) * columns);
+    g_autofree double *values = g_new(double, kinematics_value_count(problem));
+    small_overlap_values(design, values);
+    kinematics_record(problem, values, simulation->outcomes, simulation->rows);
+    small_overlap_outcomes(scenario->barrier.overlap, 1, simulation->outcomes, 1);
+}
+
+static void simulation_fini(struct simulation *simulation)
+{
+    kinematics_free(simulation->problem);
+    g_free(simulation->outcomes);
+    g_free(simulation->rows);
+}
+
+// ---- Output ----
+
+static void append_number(GString *text, char separator, double number)
+{
+    char digits[G_ASCII_DTOSTR_BUF_SIZE];
+    g_string_append_c(text, separator);
+    g_string_append(text, g_ascii_dtostr(digits, sizeof digits, number));
+}
+
+static GString *trajectory_text(const struct simulation *simulation,
+                                const struct scenario *scenario)
+{
+    GString *text = g_string_new("time_s,x_m,y_m,yaw_rad,vx_mps,vy_mps,yaw_rate_radps");
+    for (uint32_t i = 0; i < scenario->spring_count; i++) {
+        const char *name = scenario->springs[i].name;
+        g_string_append_printf(text,
+                               ",%s.length_m,%s.deformation_m,%s.force_x_N,%s.force_y_N,%s.contact",
+                               name, name, name, name, name);
+    }
+    g_string_append_c(text, '\n');
+    const uint32_t columns = kinematics_column_count(simulation->problem);
+    const double *row = simulation->rows;
+    for (uint32_t i = 0; i < kinematics_row_count(simulation->problem); i++, row += columns) {
+        char digits[G_ASCII_DTOSTR_BUF_SIZE];
+        g_string_append(text, g_ascii_dtostr(digits, sizeof digits, row[KINEMATICS_COLUMN_TIME]));
+        for (uint32_t column = 1; column < columns; column++) {
+            append_number(text, ',', row[column]);
+        }
+        g_string_append_c(text, '\n');
+    }
+    return text;
+}
+
+// Writes the trajectory completely or not at all: GLib writes beside the file, then renames.
+static enum status write_trajectory(const char *path, const struct simulation *simulation,
+                                    const struct scenario *scenario, struct error *error)
+{
+    GString *text = trajectory_text(simulation, scenario);
+    g_autoptr(GError) reason = NULL;
+    enum status status = STATUS_OK;
+    if (!g_file_set_contents(path, text->str, (gssize)text->len, &reason)) {
+        status = error_set(error, STATUS_IO, "%s: %s", path, reason->message);
+    }
+    g_string_free(text, TRUE);
+    return status;
+}
+
+// A number as JSON; what is not finite has no number there.
+static json_t *json_number(double number)
+{
+    return isfinite(number) ? json_real(number) : json_null();
+}
+
+// The names of the outcomes whose constraints are not met, each once.
+static json_t *violated_names(const struct scenario *scenario, const double *outcomes)
+{
+    json_t *names = json_array();
+    bool named[OUTCOME_ENERGY_ABSORBED + SCENARIO_SPRING_MAX] = {false};
+    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
+        const struct scenario_constraint *constraint = &scenario->constraints[i];
+        const double value = outcomes[constraint->outcome];
+        if ((value >= constraint->min && value <= constraint->max) || named[constraint->outcome]) {
+            continue;
+        }
+        char name[SCENARIO_NAME_SIZE + 32];
+        json_array_append_new(
+            names, json_string(scenario_outcome_name(scenario, constraint->outcome, name)));
+        named[constraint->outcome] = true;
+    }
+    return names;
+}
+
+static json_t *motion_errors(const struct motion *motion, const struct simulation *simulation)
+{
+    static const enum kinematics_column columns[MOTION_QUANTITY_COUNT] = {
+        [MOTION_X] = KINEMATICS_COLUMN_X,
+        [MOTION_Y] = KINEMATICS_COLUMN_Y,
+        [MOTION_YAW] = KINEMATICS_COLUMN_YAW,
+    };
+    json_t *errors = json_object();
+    for (int i = 0; i < MOTION_QUANTITY_COUNT; i++) {
+        const enum motion_quantity quantity = (enum motion_quantity)i;
+        if (motion->value[quantity] == NULL) {
+            continue;
+        }
+        const double error = motion_error(
+            motion, quantity, simulation->rows + KINEMATICS_COLUMN_TIME,
+            simulation->rows + columns[quantity], kinematics_row_count(simulation->problem),
+            kinematics_column_count(simulation->problem));
+        json_object_set_new(errors, motion_quantity_name(quantity), json_number(error));
+    }
+    return errors;
+}
+
+// Prints everything as one object. `motion` has count 0 where there is nothing to compare with.
+static enum status print_outcomes(const struct scenario *scenario,
+                                  const struct simulation *simulation, const struct motion *motion,
+                                  struct error *error)
+{
+    json_t *object = json_object();
+    for (uint32_t i = 0; i < scenario_outcome_count(scenario); i++) {
+        char name[SCENARIO_NAME_SIZE + 32];
+        json_object_set_new(object, scenario_outcome_name(scenario, i, name),
+                            json_number(simulation->outcomes[i]));
+    }
+    const struct verdict verdict = batch_verdict(scenario, simulation->outcomes, 1);
+    json_object_set_new(object, "good", json_boolean(verdict.violation == VERDICT_GOOD));
+    json_object_set_new(object, "violated", violated_names(scenario, simulation->outcomes));
+    if (motion->count > 0) {
+        json_object_set_new(object, "mean_absolute_error", motion_errors(motion, simulation));
+    }
+    const bool printed = json_dumpf(object, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF &&
+                         fflush(stdout) == 0;
+    json_decref(object);
+    if (!printed) {
+        return error_set(error, STATUS_IO, "standard output: writing failed");
+    }
+    return STATUS_OK;
+}
+
+// ---- The program ----
+
+static enum status report(const struct options *options, const struct scenario *scenario,
+                          const struct design *design, const struct motion *motion,
+                          struct error *error)
+{
+    struct simulation simulation = {0};
+    simulation_run(&simulation, scenario, design);
+    enum status status = STATUS_OK;
+    if (options->trajectory != NULL) {
+        status = write_trajectory(options->trajectory, &simulation, scenario, error);
+    }
+    if (status == STATUS_OK) {
+        status = print_outcomes(scenario, &simulation, motion, error);
+    }
+    simulation_fini(&simulation);
+    return status;
+}
+
+static enum status simulate(const struct options *options, struct error *error)
+{
+    struct scenario scenario = {0};
+    struct design design = {0};
+    struct motion motion = {0};
+    enum status status = read_scenario(options, &scenario, error);
+    if (status == STATUS_OK) {
+        status = read_design(options->design, &scenario, &design, error);
+    }
+    if (status == STATUS_OK && options->compare != NULL) {
+        g_autofree char *text = NULL;
+        size_t size;
+        status = read_text(options->compare, &text, &size, error);
+        if (status == STATUS_OK) {
+            status = motion_parse(&motion, scenario.simulation.duration, options->compare, text,
+                                  size, error);
+        }
+    }
+    if (status == STATUS_OK) {
+        status = report(options, &scenario, &design, &motion, error);
+    }
+    motion_fini(&motion);
+    design_fini(&design);
+    scenario_fini(&scenario);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {0};
+    struct error error = {0};
+    log_start("sobox-simulate", LOG_NORMAL);
+    enum status status = options_parse(&options, argc, argv, &error);
+    if (status != STATUS_OK) {
+        log_error("%s", error.text);
+    } else if (options.version) {
+        printf("sobox-simulate %s\n", SOBOX_VERSION);
+    } else if ((status = simulate(&options, &error)) != STATUS_OK) {
+        log_failure(&error);
+    }
+    options_fini(&options);
+    return (int)status_exit(status);
+}
