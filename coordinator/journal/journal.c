@@ -218,7 +218,8 @@ static enum status check_schema(struct journal *journal, struct error *error)
 // A reader looks at one moment of the run, however long it takes.
 static enum status snapshot_start(struct journal *journal, struct error *error)
 {
-    return execute(journal, "BEGIN; SELECT count(*) FROM sqlite_schema", "cannot be read", error);
+    return execute(journal, "PRAGMA query_only = ON; BEGIN; SELECT count(*) FROM sqlite_schema",
+                   "cannot be read", error);
 }
 
 // In a folder where nothing can be created SQLite cannot open a database in WAL mode, but when no
@@ -244,9 +245,11 @@ static enum status read_only_open(struct journal *journal, struct error *error)
     return status;
 }
 
+// A reader asks for permission to write where it can have it, not to change anything, but because
+// the last one out tidies up: a read-only connection leaves its run.db-wal and run.db-shm behind.
 static enum status open_to_read(struct journal *journal, struct error *error)
 {
-    enum status status = database_open(journal, journal->path, SQLITE_OPEN_READONLY, error);
+    enum status status = database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
     if (status == STATUS_OK)
         status = snapshot_start(journal, error);
     int code = sqlite3_errcode(journal->database) & 0xff;
