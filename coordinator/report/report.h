@@ -7,28 +7,45 @@
 #include "common/base/error.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 enum report_format { REPORT_SVG, REPORT_PNG, REPORT_PDF };
 
+// The ending of a format's files: "svg", "png", "pdf".
+const char *report_format_name(enum report_format format);
+
 struct report_plot {
     enum report_format format;
-    const char *compare; // second run folder drawn over the first, or NULL
+    uint32_t search;     // index of the search to draw; 0 unless the run is a sweep
+    const char *compare; // second run folder, its first search drawn over this one, or NULL
     bool normalise; // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown
     const char *output; // file to write; NULL: corridors.FORMAT in the run folder
 };
 
 // Writes result.json, corridors.csv and history.csv into the run folder; each is whole or absent.
-// Errors: STATUS_IO.
+// Of a search that is not finished they show the box that was sampled last, without a purity.
+//
+// result.json holds more than its name promises in three places: `non_finite` counts the samples
+// whose outcome was not finite, `blocking_constraint` names what stands in the way when no good
+// design was found, and what is not known is null. A seed above 2^63 - 1 is written as text.
+// Errors: STATUS_IO, and those of journal_open().
 enum status report_write(const char *directory, struct error *error) MUST_USE;
 
-// Draws the corridors with gnuplot: one panel a spring and direction. Leaves the script
-// (corridors.gp) and its data in the run folder for users to edit.
-// Errors: STATUS_FAILED (gnuplot is missing or failed: the text says which), STATUS_IO.
+// Draws the corridors with gnuplot: a row a spring, the axial force on the left, the lateral one on
+// the right, each corridor a band inside the band of its design space. Leaves the script beside the
+// picture and under its name (corridors.gp) for users to edit; the script carries its data, so it
+// can be given away, and with `normalise` there is no force and no deformation in it.
+//
+// `compare` draws the springs that the other run has under the same name; forces are normalised by
+// the greatest bound of both runs then.
+// Errors: STATUS_INVALID (no such search, nothing in common with the other run), STATUS_FAILED
+// (gnuplot is missing or failed: the text says which), STATUS_IO, and those of journal_open().
 enum status report_draw(const char *directory, const struct report_plot *plot,
                         struct error *error) MUST_USE;
 
-// Prints the corridors, the purity with its bound, the cost and the files to `out`.
+// Prints the corridors, the purity with its bound, the cost and the files to `out`; of a sweep one
+// line a search. Errors: STATUS_IO, and those of journal_open().
 enum status report_print(const char *directory, FILE *out, struct error *error) MUST_USE;
 
 #endif

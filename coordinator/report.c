@@ -1,0 +1,230 @@
+// sobox-report: plots and exports of a run folder.
+
+#include "coordinator/report/report.h"
+#include "common/base/log.h"
+
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char program_summary[] = "Draws the corridors of a run folder with gnuplot, writes "
+                                      "its exports where they are missing or\n"
+                                      "old, and prints its table.";
+
+static const char program_description[] =
+    "Examples:\n"
+    "  sobox-report runs/sedan-two-springs\n"
+    "  sobox-report runs/sedan-two-springs --png --pdf\n"
+    "  sobox-report runs/any --compare runs/rotating --out comparison.svg\n"
+    "  sobox-report runs/sedan-two-springs --normalise --out public.pdf\n"
+    "\n"
+    "The gnuplot script stays beside the picture, under its name, with the data in it; edit it "
+    "and\n"
+    "run it again by hand.\n"
+    "\n"
+    "Exit status: 0 done; 1 failed while running; 2 usage or invalid input.";
+
+struct options {
+    char *directory;
+    char *compare;
+    char *out;
+    int search;
+    gboolean normalise;
+    gboolean png;
+    gboolean pdf;
+    gboolean version;
+};
+
+static void options_fini(struct options *options)
+{
+    g_free(options->directory);
+    g_free(options->compare);
+    g_free(options->out);
+}
+
+// The format that a file's ending asks for; false when it is none of ours.
+static bool format_of(const char *path, enum report_format *format)
+{
+    for (int i = REPORT_SVG; i <= REPORT_PDF; i++) {
+        char ending[8];
+        g_snprintf(ending, sizeof ending, ".%s", report_format_name((enum report_format)i));
+        if (g_str_has_suffix(path, ending)) {
+            *format = (enum report_format)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum status check_folder(const char *directory, struct error *error)
+{
+    if (!g_file_test(directory, G_FILE_TEST_IS_DIR))
+        return error_set(error, STATUS_INVALID, "%s: there is no such folder", directory);
+    char *journal = g_build_filename(directory, "run.db", NULL);
+    bool is_run = g_file_test(journal, G_FILE_TEST_EXISTS);
+    g_free(journal);
+    if (!is_run)
+        return error_set(error, STATUS_INVALID, "%s: not a run folder: there is no run.db in it",
+                         directory);
+    return STATUS_OK;
+}
+
+static enum status options_check(const struct options *options, struct error *error)
+{
+    enum report_format format;
+    if (options->directory == NULL)
+        return error_set(error, STATUS_INVALID,
+                         "no run folder: expected sobox-report DIR (see --help)");
+    if (options->search < 0)
+        return error_set(error, STATUS_INVALID, "--search %d: expected 0 or more", options->search);
+    if (options->out != NULL && !format_of(options->out, &format))
+        return error_set(error, STATUS_INVALID,
+                         "--out %s: expected a file name that ends in .svg, .png or .pdf",
+                         options->out);
+    if (options->out != NULL && (options->png || options->pdf))
+        return error_set(error, STATUS_INVALID,
+                         "--out goes without --png and --pdf: its ending says the format");
+    enum status status = check_folder(options->directory, error);
+    if (status == STATUS_OK && options->compare != NULL)
+        status = check_folder(options->compare, error);
+    return status;
+}
+
+static enum status options_parse(struct options *options, int argc, char **argv,
+                                 struct error *error)
+{
+    *options = (struct options){0};
+    const GOptionEntry entries[] = {
+        {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
+         "Draw the corridors of a second run over those of the first, for springs of one name",
+         "DIR2"},
+        {"normalise", 'n', 0, G_OPTION_ARG_NONE, &options->normalise,
+         "Divide forces and deformations by their greatest value, to share without their numbers",
+         NULL},
+        {"png", 0, 0, G_OPTION_ARG_NONE, &options->png, "Draw corridors.png, too", NULL},
+        {"pdf", 0, 0, G_OPTION_ARG_NONE, &options->pdf, "Draw corridors.pdf, too", NULL},
+        {"out", 'o', 0, G_OPTION_ARG_FILENAME, &options->out,
+         "Draw into this file only; its ending says the format", "FILE"},
+        {"search", 's', 0, G_OPTION_ARG_INT, &options->search,
+         "Draw this search of a sweep (default: 0)", "N"},
+        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version", NULL},
+        G_OPTION_ENTRY_NULL,
+    };
+    GOptionContext *context = g_option_context_new("DIR");
+    g_option_context_set_summary(context, program_summary);
+    g_option_context_set_description(context, program_description);
+    g_option_context_add_main_entries(context, entries, NULL);
+    GError *failure = NULL;
+    enum status status = STATUS_OK;
+    if (!g_option_context_parse(context, &argc, &argv, &failure)) {
+        status = error_set(error, STATUS_INVALID, "%s (see --help)", failure->message);
+        g_error_free(failure);
+    } else if (argc > 2) {
+        status = error_set(error, STATUS_INVALID, "%s: expected one run folder", argv[2]);
+    } else if (argc == 2) {
+        options->directory = g_strdup(argv[1]);
+    }
+    g_option_context_free(context);
+    return status;
+}
+
+// ---- exports ----
+
+static bool older(const char *path, const GStatBuf *than)
+{
+    GStatBuf file;
+    return g_stat(path, &file) != 0 || file.st_mtim.tv_sec < than->st_mtim.tv_sec ||
+           (file.st_mtim.tv_sec == than->st_mtim.tv_sec &&
+            file.st_mtim.tv_nsec < than->st_mtim.tv_nsec);
+}
+
+// Whether an export is missing or older than the journal and its log: a folder that is complete
+// may be one where nothing can be written.
+static bool exports_due(const char *directory)
+{
+    static const char *const EXPORTS[] = {"result.json", "corridors.csv", "history.csv"};
+    static const char *const SOURCES[] = {"run.db", "run.db-wal"};
+    bool due = false;
+    for (size_t s = 0; s < G_N_ELEMENTS(SOURCES); s++) {
+        char *source = g_build_filename(directory, SOURCES[s], NULL);
+        GStatBuf file;
+        bool there = g_stat(source, &file) == 0;
+        g_free(source);
+        for (size_t e = 0; there && e < G_N_ELEMENTS(EXPORTS); e++) {
+            char *path = g_build_filename(directory, EXPORTS[e], NULL);
+            due = due || older(path, &file);
+            g_free(path);
+        }
+    }
+    return due;
+}
+
+// ---- pictures ----
+
+static enum status draw(const struct options *options, enum report_format format,
+                        struct error *error)
+{
+    const struct report_plot plot = {.format = format,
+                                     .search = (uint32_t)options->search,
+                                     .compare = options->compare,
+                                     .normalise = options->normalise,
+                                     .output = options->out};
+    return report_draw(options->directory, &plot, error);
+}
+
+static enum status draw_all(const struct options *options, struct error *error)
+{
+    enum report_format format;
+    if (options->out != NULL && format_of(options->out, &format))
+        return draw(options, format, error);
+    enum status status = draw(options, REPORT_SVG, error);
+    if (status == STATUS_OK && options->png)
+        status = draw(options, REPORT_PNG, error);
+    if (status == STATUS_OK && options->pdf)
+        status = draw(options, REPORT_PDF, error);
+    return status;
+}
+
+// The table is printed last, because it lists the files, and also when no picture could be drawn.
+static enum status report(const struct options *options, struct error *error)
+{
+    enum status status = STATUS_OK;
+    if (exports_due(options->directory))
+        status = report_write(options->directory, error);
+    if (status != STATUS_OK)
+        return status;
+    enum status drawn = draw_all(options, error);
+    if (drawn == STATUS_INVALID)
+        return drawn;
+    struct error unprinted = {0};
+    status = report_print(options->directory, stdout, &unprinted);
+    if (drawn != STATUS_OK)
+        return drawn;
+    if (status != STATUS_OK)
+        return error_set(error, status, "%s", unprinted.text);
+    if (options->out != NULL)
+        printf("%-12s %s\n", "drawn", options->out);
+    return STATUS_OK;
+}
+
+int main(int argc, char **argv)
+{
+    log_start("sobox-report", LOG_NORMAL);
+    struct options options;
+    struct error error = {0};
+    enum status status = options_parse(&options, argc, argv, &error);
+    if (status == STATUS_OK && options.version) {
+        puts("sobox-report " SOBOX_VERSION);
+        options_fini(&options);
+        return EXIT_STATUS_DONE;
+    }
+    if (status == STATUS_OK)
+        status = options_check(&options, &error);
+    if (status == STATUS_OK)
+        status = report(&options, &error);
+    if (status != STATUS_OK)
+        log_error("%s", error.text);
+    options_fini(&options);
+    return (int)status_exit(status);
+}

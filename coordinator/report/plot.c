@@ -1,0 +1,144 @@
+#include "coordinator/report/figure.h"
+#include "coordinator/report/gnuplot.h"
+#include "coordinator/report/report.h"
+#include "coordinator/report/run_data.h"
+#include "coordinator/report/whole_file.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <string.h>
+
+const char *report_format_name(enum report_format format)
+{
+    static const char *const NAMES[] = {
+        [REPORT_SVG] = "svg", [REPORT_PNG] = "png", [REPORT_PDF] = "pdf"};
+    assert(format < G_N_ELEMENTS(NAMES));
+    return NAMES[format];
+}
+
+// ---- what is drawn ----
+
+static enum status choose_search(const struct run_data *data, const char *directory, uint32_t index,
+                                 const struct run_search **search, struct error *error)
+{
+    if (index >= data->run.search_count)
+        return error_set(error, STATUS_INVALID,
+                         "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,
+                         index, data->run.search_count - 1);
+    *search = &data->searches[index];
+    return STATUS_OK;
+}
+
+static enum status check_comparable(const struct run_search *search, const struct run_search *other,
+                                    const struct report_plot *plot, struct error *error)
+{
+    if (other->box == NULL)
+        return error_set(error, STATUS_INVALID, "%s: has no corridors to compare with",
+                         plot->compare);
+    if (figure_shared_springs(search, other) == 0)
+        return error_set(error, STATUS_INVALID,
+                         "%s: none of its springs (%s, ...) has the name of one of the run it is "
+                         "compared with (%s, ...)",
+                         plot->compare, other->scenario.springs[0].name,
+                         search->scenario.springs[0].name);
+    return STATUS_OK;
+}
+
+// The first thing in which two searches differ is what a reader wants to see in the legend.
+static char *legend_label(const struct run_search *search, const struct run_search *other,
+                          const char *directory)
+{
+    if (other == NULL)
+        return g_strdup("corridor");
+    if (strcmp(search->name, other->name) != 0)
+        return g_strdup(search->name);
+    if (search->scenario.response != other->scenario.response)
+        return g_strdup_printf("response: %s", scenario_response_name(search->scenario.response));
+    if (search->record.seed != other->record.seed)
+        return g_strdup_printf("seed %" PRIu64, search->record.seed);
+    char *absolute = g_canonicalize_filename(directory, NULL);
+    char *label = g_path_get_basename(absolute);
+    g_free(absolute);
+    return label;
+}
+
+// ---- where it goes ----
+
+static char *output_path(const char *directory, const struct report_plot *plot)
+{
+    if (plot->output != NULL)
+        return g_strdup(plot->output);
+    char name[32];
+    if (plot->search == 0)
+        g_snprintf(name, sizeof name, "corridors.%s", report_format_name(plot->format));
+    else
+        g_snprintf(name, sizeof name, "corridors-%" PRIu32 ".%s", plot->search,
+                   report_format_name(plot->format));
+    return g_build_filename(directory, name, NULL);
+}
+
+// The path without its ending: "run/corridors" of "run/corridors.svg".
+static char *path_stem(const char *path)
+{
+    char *stem = g_strdup(path);
+    char *dot = strrchr(stem, '.'), *slash = strrchr(stem, G_DIR_SEPARATOR);
+    if (dot != NULL && dot > (slash != NULL ? slash + 1 : stem))
+        *dot = '\0';
+    return stem;
+}
+
+// Writes the script STEM.gp and lets gnuplot make the picture of it.
+static enum status draw_figure(struct figure *figure, const char *output, enum report_format format,
+                               struct error *error)
+{
+    char *path = path_stem(output), *stem = g_path_get_basename(path);
+    char *script_path = g_strconcat(path, ".gp", NULL);
+    figure->stem = stem;
+    char *script = figure_script(figure);
+    GBytes *picture = NULL;
+    enum status status = whole_file_write(script_path, script, strlen(script), error);
+    if (status == STATUS_OK)
+        status = gnuplot_run(script_path, report_format_name(format), &picture, error);
+    if (status == STATUS_OK)
+        status = whole_file_write(output, g_bytes_get_data(picture, NULL),
+                                  g_bytes_get_size(picture), error);
+    g_clear_pointer(&picture, g_bytes_unref);
+    g_free(script);
+    g_free(script_path);
+    g_free(stem);
+    g_free(path);
+    return status;
+}
+
+enum status report_draw(const char *directory, const struct report_plot *plot, struct error *error)
+{
+    struct run_data data, compared = {0};
+    const struct run_search *search = NULL, *other = NULL;
+    enum status status = run_data_read(&data, directory, error);
+    if (status == STATUS_OK)
+        status = choose_search(&data, directory, plot->search, &search, error);
+    if (status == STATUS_OK && plot->compare != NULL) {
+        status = run_data_read(&compared, plot->compare, error);
+        if (status == STATUS_OK)
+            status = choose_search(&compared, plot->compare, 0, &other, error);
+        if (status == STATUS_OK)
+            status = check_comparable(search, other, plot, error);
+    }
+    if (status == STATUS_OK) {
+        char *label = legend_label(search, other, directory);
+        char *other_label = other != NULL ? legend_label(other, search, plot->compare) : NULL;
+        char *output = output_path(directory, plot);
+        struct figure figure = {.search = search,
+                                .other = other,
+                                .search_label = label,
+                                .other_label = other_label,
+                                .normalise = plot->normalise};
+        status = draw_figure(&figure, output, plot->format, error);
+        g_free(output);
+        g_free(other_label);
+        g_free(label);
+    }
+    run_data_fini(&compared);
+    run_data_fini(&data);
+    return status;
+}

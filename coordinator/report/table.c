@@ -1,0 +1,213 @@
+// The table for the terminal: at most 80 columns, no drawing characters.
+#include "coordinator/report/number.h"
+#include "coordinator/report/report.h"
+#include "coordinator/report/run_data.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+// ---- corridors ----
+
+// Enough decimals of a kilonewton that the corridors of weak parts can be told apart.
+static int force_decimals(const struct scenario_spring *spring)
+{
+    double greatest = 0;
+    for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
+        for (uint32_t k = 0; k < spring->point_count; k++)
+            greatest = fmax(greatest, spring->force_upper[d][k]);
+    return greatest >= 100e3 ? 1 : greatest >= 10e3 ? 2 : 3;
+}
+
+static void print_interval(const struct run_search *search, uint32_t variable, int decimals,
+                           FILE *out)
+{
+    const struct box *space = &search->scenario.design_space, *box = search->box;
+    double width = space->upper[variable] - space->lower[variable];
+    fprintf(out, " %11.*f %9.*f", decimals, box->lower[variable] * 1e-3, decimals,
+            box->upper[variable] * 1e-3);
+    if (width > 0)
+        fprintf(out, " %8.1f", 100 * (box->upper[variable] - box->lower[variable]) / width);
+    else
+        fprintf(out, " %8s", "fixed");
+}
+
+static void print_spring(const struct run_search *search, uint32_t index, FILE *out)
+{
+    const struct scenario_spring *spring = &search->scenario.springs[index];
+    int decimals = force_decimals(spring);
+    fprintf(out, "\n%s\n", spring->name);
+    fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", "deformation", "F_x lower", "upper", "share",
+            "F_y lower", "upper", "share");
+    fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", "[m]", "[kN]", "[kN]", "[%]", "[kN]", "[kN]",
+            "[%]");
+    for (uint32_t k = 0; k < spring->point_count; k++) {
+        fprintf(out, "%12.3f", spring->deformation[k]);
+        for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
+            print_interval(search,
+                           run_search_variable(search, index, (enum scenario_direction)d, k),
+                           decimals, out);
+        fputc('\n', out);
+    }
+}
+
+// ---- how it went ----
+
+struct status_meaning {
+    const char *status, *meaning;
+};
+
+static const struct status_meaning STATUS_MEANINGS[] = {
+    {"done", "done: the corridors reach the purity that was asked for"},
+    {"purity_missed", "corridors found, but their purity stays below what was asked for"},
+    {"no_good_design", "no good design found"},
+    {"running", "running, or stopped without notice: the corridors are not final"},
+    {"interrupted", "interrupted, can be resumed: the corridors are not final"},
+    {"failed", "failed, can be resumed: the corridors are not final"},
+};
+
+static const char *status_meaning(const char *status)
+{
+    for (size_t i = 0; i < G_N_ELEMENTS(STATUS_MEANINGS); i++)
+        if (strcmp(STATUS_MEANINGS[i].status, status) == 0)
+            return STATUS_MEANINGS[i].meaning;
+    return status;
+}
+
+// Which constraint is worst violated by most samples, and by how many: what to relax first.
+static void print_obstacle(const struct run_search *search, FILE *out)
+{
+    const struct scenario *scenario = &search->scenario;
+    uint32_t worst = 0;
+    for (uint32_t i = 1; i < scenario->constraint_count; i++)
+        if (search->worst[i] > search->worst[worst])
+            worst = i;
+    if (search->worst[worst] == 0)
+        return;
+    const struct scenario_constraint *constraint = &scenario->constraints[worst];
+    char name[SCENARIO_NAME_SIZE + 32], bad[NUMBER_SIZE], judged[NUMBER_SIZE];
+    fprintf(out, "in the way   %s", scenario_outcome_name(scenario, constraint->outcome, name));
+    if (isfinite(constraint->min))
+        fprintf(out, " >= %g", constraint->min);
+    if (isfinite(constraint->max))
+        fprintf(out, "%s <= %g", isfinite(constraint->min) ? " and" : "", constraint->max);
+    const char *unit = scenario_outcome_unit(scenario, constraint->outcome);
+    fprintf(out, "%s%s: violated worst by %s of %s samples\n", strcmp(unit, "1") == 0 ? "" : " ",
+            strcmp(unit, "1") == 0 ? "" : unit, number_count(search->worst[worst], bad),
+            number_count(search->judged, judged));
+}
+
+static void print_purity(const struct run_search *search, FILE *out)
+{
+    const struct journal_search *record = &search->record;
+    char samples[NUMBER_SIZE];
+    if (!record->finished || record->purity_samples == 0) {
+        fprintf(out, "purity       not certified%s\n", record->finished ? "" : " yet");
+        return;
+    }
+    fprintf(out, "purity       %.4f of %s fresh samples; at least %.4f with 95 %% confidence\n",
+            record->purity_estimate, number_count(record->purity_samples, samples),
+            floor(record->purity_lower95 * 1e4) * 1e-4); // a bound is not rounded up
+}
+
+static void print_cost(const struct run_search *search, FILE *out)
+{
+    char evaluations[NUMBER_SIZE], rate[NUMBER_SIZE];
+    double wall = (double)search->wall_ns * 1e-9;
+    fprintf(out, "simulated    %s designs in %u steps",
+            number_count(search->evaluations, evaluations), search->steps->len);
+    if (wall > 0)
+        fprintf(out, ", %.*f s, %s designs/s", wall < 10 ? 2 : 0, wall,
+                number_count((uint64_t)((double)search->evaluations / wall), rate));
+    fputc('\n', out);
+    if (search->record.non_finite > 0)
+        fprintf(out, "             %s of them gave no finite outcome and count as bad\n",
+                number_count(search->record.non_finite, evaluations));
+}
+
+static void print_search(const struct run_search *search, FILE *out)
+{
+    char *name = name_plain(search->name), *status = name_plain(status_meaning(search->status));
+    fprintf(out, "%s, response %s\n", name, scenario_response_name(search->scenario.response));
+    for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
+        print_spring(search, i, out);
+    fprintf(out, "\nstatus       %s\n", status);
+    if (run_search_found_nothing(search)) {
+        print_obstacle(search, out);
+    } else {
+        print_purity(search, out);
+        if (search->box != NULL)
+            fprintf(out, "log-volume   %.3f (0 is the whole design space)\n", search->log_volume);
+    }
+    print_cost(search, out);
+    g_free(name);
+    g_free(status);
+}
+
+// ---- a sweep ----
+
+// One line a search: their tables would bury each other.
+static void print_line(const struct run_search *search, uint32_t index, FILE *out)
+{
+    char *name = name_plain(search->name), *status = name_plain(search->status);
+    char evaluations[NUMBER_SIZE];
+    fprintf(out, "%5" PRIu32 " %-24.24s %-14.14s", index, name, status);
+    if (search->box != NULL)
+        fprintf(out, " %9.3f", search->log_volume);
+    else
+        fprintf(out, " %9s", "-");
+    if (search->record.finished && search->record.purity_samples > 0)
+        fprintf(out, " %9.4f", floor(search->record.purity_lower95 * 1e4) * 1e-4);
+    else
+        fprintf(out, " %9s", "-");
+    fprintf(out, " %12s\n", number_count(search->evaluations, evaluations));
+    g_free(name);
+    g_free(status);
+}
+
+static void print_lines(const struct run_data *data, FILE *out)
+{
+    char *name = name_plain(data->run.name);
+    fprintf(out, "%s, %" PRIu32 " searches\n\n", name, data->run.search_count);
+    fprintf(out, "%5s %-24s %-14s %9s %9s %12s\n", "", "search", "status", "log-vol.",
+            "purity>=", "designs");
+    for (uint32_t i = 0; i < data->run.search_count; i++)
+        print_line(&data->searches[i], i, out);
+    g_free(name);
+}
+
+// ---- all of it ----
+
+static void print_files(const char *directory, FILE *out)
+{
+    static const char *const NAMES[] = {
+        "corridors.svg", "corridors.png", "corridors.pdf", "corridors.gp", "corridors.csv",
+        "history.csv",   "summary.csv",   "result.json",   "run.db",
+    };
+    const char *label = "files";
+    for (size_t i = 0; i < G_N_ELEMENTS(NAMES); i++) {
+        char *path = g_build_filename(directory, NAMES[i], NULL);
+        if (g_file_test(path, G_FILE_TEST_EXISTS)) {
+            fprintf(out, "%-12s %s\n", label, path);
+            label = "";
+        }
+        g_free(path);
+    }
+}
+
+enum status report_print(const char *directory, FILE *out, struct error *error)
+{
+    struct run_data data;
+    enum status status = run_data_read(&data, directory, error);
+    if (status != STATUS_OK)
+        return status;
+    if (data.run.search_count == 1)
+        print_search(&data.searches[0], out);
+    else
+        print_lines(&data, out);
+    print_files(directory, out);
+    run_data_fini(&data);
+    if (fflush(out) != 0 || ferror(out))
+        return error_set(error, STATUS_IO, "the report could not be printed");
+    return STATUS_OK;
+}

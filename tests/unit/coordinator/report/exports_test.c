@@ -1,0 +1,286 @@
+#include "sample_run.h"
+
+#include "coordinator/report/number.h"
+#include "coordinator/report/report.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+static void write_reports(const char *folder)
+{
+    struct error error = {0};
+    if (report_write(folder, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+}
+
+static void assert_file(const char *folder, const char *name, const char *expected)
+{
+    char *text = file_text(folder, name);
+    assert_string_equal(text, expected);
+    g_free(text);
+}
+
+static char *printed(const char *folder)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    struct error error = {0};
+    if (report_print(folder, out, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+    fclose(out);
+    return text;
+}
+
+// ---- numbers ----
+
+// A CSV must give back the double that was found, in as few digits as that takes.
+static void numbers_are_short_and_exact(void **state)
+{
+    (void)state;
+    char text[NUMBER_SIZE];
+    assert_string_equal(number_exact(0.15, text), "0.15");
+    assert_string_equal(number_exact(450e3, text), "450000");
+    assert_string_equal(number_exact(-0.0, text), "-0");
+    assert_string_equal(number_exact(0.1 + 0.2, text), "0.30000000000000004");
+    assert_string_equal(number_exact(-INFINITY, text), "-inf");
+    static const double AWKWARD[] = {DBL_MAX, -DBL_MIN, 4.9406564584124654e-324, 1.0 / 3,
+                                     9007199254740993.0};
+    for (size_t i = 0; i < G_N_ELEMENTS(AWKWARD); i++)
+        assert_true(strtod(number_exact(AWKWARD[i], text), NULL) == AWKWARD[i]);
+}
+
+// Thousands are grouped from the right, the greatest number fits.
+static void counts_are_grouped(void **state)
+{
+    (void)state;
+    char text[NUMBER_SIZE];
+    assert_string_equal(number_count(0, text), "0");
+    assert_string_equal(number_count(999, text), "999");
+    assert_string_equal(number_count(1000, text), "1,000");
+    assert_string_equal(number_count(UINT64_MAX, text), "18,446,744,073,709,551,615");
+}
+
+// A name in a run folder from elsewhere must not move the cursor or end a line.
+static void names_lose_their_control_characters(void **state)
+{
+    (void)state;
+    char *name = name_plain("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
+    assert_string_equal(name, "a?[2J?b \xc3\xa9 ? ?");
+    g_free(name);
+}
+
+// ---- files ----
+
+// The two tables hold exactly what the journal holds, one row a variable and one a step.
+static void csv_tables_are_golden(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
+    write_reports(*state);
+    assert_file(*state, "corridors.csv",
+                "search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,"
+                "design_upper_N\n"
+                "0,front,x,0,15000,45000,0,60000\n"
+                "0,front,x,1.2,112500,337500,0,450000\n"
+                "0,front,y,0,62500,187500,0,250000\n"
+                "0,front,y,1.2,62500,187500,0,250000\n"
+                "0,rail,x,0.1,1000,1000,1000,1000\n"
+                "0,rail,x,0.9,3500,6500,2000,8000\n"
+                "0,rail,y,0.1,1000,3000,0,4000\n"
+                "0,rail,y,0.9,1000,3000,0,4000\n");
+    assert_file(*state, "history.csv",
+                "search,phase,step,samples,good,growth,log_volume\n"
+                "0,seek,0,8,6,0,0\n"
+                "0,explore,1,8,6,0.1,-4.5\n");
+}
+
+// The keys that other programs read, with the values of the journal.
+static void json_holds_the_result(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
+    write_reports(*state);
+    char *json = file_text(*state, "result.json");
+    static const char *const PARTS[] = {
+        "\"name\": \"sample\"",
+        "\"version\": \"1.2.3\"",
+        "\"status\": \"done\"",
+        "\"seed\": 1",
+        "\"name\": \"rail.force_x[1]\"",
+        "\"spring\": \"rail\"",
+        "\"direction\": \"x\"",
+        "\"deformation_m\": 0.90000000000000002",
+        "\"log_volume\": -4.5",
+        "\"samples\": 1000",
+        "\"bad\": 0",
+        "\"estimate\": 1.0",
+        "\"lower95\": 0.99709000000000003",
+        "\"evaluations\": 1016",
+        "\"steps\": 2",
+        "\"wall_s\": 0.25",
+        "\"non_finite\": 0",
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(PARTS); i++)
+        assert_contains(json, PARTS[i]);
+    struct digest digest = digest_of("sample", 6);
+    char hex[DIGEST_HEX_SIZE];
+    assert_contains(json, digest_hex(&digest, hex));
+    g_free(json);
+}
+
+// Reports can be made of a run that is not finished: they show the box sampled last, and do not
+// claim a purity or a digest that nobody has computed.
+static void unfinished_run_shows_its_last_box(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_UNFINISHED);
+    write_reports(*state);
+    char *json = file_text(*state, "result.json");
+    assert_contains(json, "\"status\": \"interrupted\"");
+    assert_contains(json, "\"purity\": null");
+    assert_contains(json, "\"digest\": null");
+    assert_contains(json, "\"evaluations\": 16");
+    g_free(json);
+    char *csv = file_text(*state, "corridors.csv");
+    assert_contains(csv, "0,front,x,0,15000,45000,0,60000\n");
+    g_free(csv);
+    char *table = printed(*state);
+    assert_contains(table, "interrupted, can be resumed");
+    assert_contains(table, "not certified yet");
+    g_free(table);
+}
+
+// Before the first step there is no box at all.
+static void untouched_run_has_no_corridors(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_UNTOUCHED);
+    write_reports(*state);
+    assert_file(*state, "corridors.csv",
+                "search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,"
+                "design_upper_N\n");
+    char *json = file_text(*state, "result.json");
+    assert_contains(json, "\"corridor\": null");
+    assert_contains(json, "\"log_volume\": null");
+    g_free(json);
+    g_free(printed(*state));
+}
+
+// When nothing is good, the box that came with the result means nothing and must not be shown.
+static void no_good_design_names_the_obstacle(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_NO_GOOD_DESIGN);
+    write_reports(*state);
+    char *json = file_text(*state, "result.json");
+    assert_contains(json, "\"status\": \"no_good_design\"");
+    assert_contains(json, "\"blocking_constraint\": \"s_L\"");
+    assert_contains(json, "\"corridor\": null");
+    g_free(json);
+    char *table = printed(*state);
+    assert_contains(table, "no good design found");
+    assert_contains(table, "s_L >= 0.25 m: violated worst by 8 of 8 samples");
+    assert_null(strstr(table, "F_x"));
+    g_free(table);
+}
+
+// Each search of a run has its rows.
+static void searches_of_a_sweep_are_told_apart(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 3, SAMPLE_DONE);
+    write_reports(*state);
+    char *csv = file_text(*state, "corridors.csv");
+    assert_contains(csv, "\n0,rail,y,0.9,");
+    assert_contains(csv, "\n2,rail,y,0.9,");
+    g_free(csv);
+    char *table = printed(*state);
+    assert_contains(table, "3 searches");
+    g_free(table);
+}
+
+// A file that cannot be replaced is an error, and what stood there stays as it was.
+static void export_that_fails_leaves_the_old_one(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
+    char *blocked = g_build_filename(*state, "history.csv", NULL);
+    assert_int_equal(mkdir(blocked, 0777), 0);
+    struct error error = {0};
+    assert_int_equal(report_write(*state, &error), STATUS_IO);
+    assert_contains(error.text, "history.csv");
+    GDir *dir = g_dir_open(*state, 0, NULL);
+    for (const char *name; (name = g_dir_read_name(dir)) != NULL;)
+        assert_true(g_str_equal(name, "history.csv") || g_str_equal(name, "corridors.csv") ||
+                    g_str_equal(name, "run.db"));
+    g_dir_close(dir);
+    g_free(blocked);
+}
+
+// ---- the table ----
+
+// The complete table as a person sees it, within 80 columns.
+static void table_is_golden(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
+    char *table = printed(*state);
+    char *files = g_strdup_printf("files        %s/run.db\n", (const char *)*state);
+    char *expected = g_strconcat(
+        "sample, response any\n"
+        "\n"
+        "front\n"
+        " deformation   F_x lower     upper    share   F_y lower     upper    share\n"
+        "         [m]        [kN]      [kN]      [%]        [kN]      [kN]      [%]\n"
+        "       0.000        15.0      45.0     50.0        62.5     187.5     50.0\n"
+        "       1.200       112.5     337.5     50.0        62.5     187.5     50.0\n"
+        "\n"
+        "rail\n"
+        " deformation   F_x lower     upper    share   F_y lower     upper    share\n"
+        "         [m]        [kN]      [kN]      [%]        [kN]      [kN]      [%]\n"
+        "       0.100       1.000     1.000    fixed       1.000     3.000     50.0\n"
+        "       0.900       3.500     6.500     50.0       1.000     3.000     50.0\n"
+        "\n"
+        "status       done: the corridors reach the purity that was asked for\n"
+        "purity       1.0000 of 1,000 fresh samples; at least 0.9970 with 95 % confidence\n"
+        "log-volume   -4.500 (0 is the whole design space)\n"
+        "simulated    1,016 designs in 2 steps, 0.25 s, 4,064 designs/s\n",
+        files, NULL);
+    assert_string_equal(table, expected);
+    g_free(expected);
+    g_free(files);
+    g_free(table);
+}
+
+// A journal whose result does not fit its scenario is refused before anything is indexed by it.
+static void contradicting_journal_is_refused(void **state)
+{
+    sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_UNTOUCHED);
+    struct journal *journal;
+    assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, NULL), STATUS_OK);
+    double bounds[3] = {0};
+    struct box box = {3, bounds, bounds};
+    struct verdict verdict = {0};
+    struct journal_step step = {
+        .phase = "seek", .samples = 1, .good = 1, .box = &box, .verdicts = &verdict};
+    assert_int_equal(journal_append(journal, &step, NULL), STATUS_OK);
+    journal_close(journal);
+    struct error error = {0};
+    assert_int_equal(report_write(*state, &error), STATUS_IO);
+    assert_contains(error.text, "3 variables");
+    assert_contains(error.text, "run.db");
+    assert_false(file_exists(*state, "result.json"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_are_short_and_exact),
+        cmocka_unit_test(counts_are_grouped),
+        cmocka_unit_test(names_lose_their_control_characters),
+        IN_FOLDER(csv_tables_are_golden),
+        IN_FOLDER(json_holds_the_result),
+        IN_FOLDER(unfinished_run_shows_its_last_box),
+        IN_FOLDER(untouched_run_has_no_corridors),
+        IN_FOLDER(no_good_design_names_the_obstacle),
+        IN_FOLDER(searches_of_a_sweep_are_told_apart),
+        IN_FOLDER(export_that_fails_leaves_the_old_one),
+        IN_FOLDER(table_is_golden),
+        IN_FOLDER(contradicting_journal_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
