@@ -1,0 +1,95 @@
+// The scenarios that come with the program.
+#include "common/scenario/scenario_read.h"
+
+#include <glib.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const char *const names[] = {
+    "sedan-two-springs", "sedan-ten-springs",      "suv-two-springs",
+    "suv-ten-springs",   "sports-car-two-springs", "sports-car-ten-springs",
+};
+static const char *const responses[] = {"response=any", "response=rotating",
+                                        "response=glancing_off"};
+
+static struct scenario read_shipped(const char *name, const char *override)
+{
+    char *path = g_strdup_printf(SOBOX_SOURCE_DIR "/deploy/scenarios/%s.yaml", name);
+    struct scenario scenario;
+    struct error error = {0};
+    if (scenario_read_file(&scenario, path, &override, override != NULL, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+    g_free(path);
+    return scenario;
+}
+
+// All 18 cases are accepted, named after their file, and of the size their name promises.
+static void shipped_scenarios_are_valid(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+        for (size_t j = 0; j < G_N_ELEMENTS(responses); j++) {
+            struct scenario scenario = read_shipped(names[i], responses[j]);
+            bool two = g_str_has_suffix(names[i], "two-springs");
+            assert_string_equal(scenario.name, names[i]);
+            assert_int_equal(scenario.spring_count, two ? 1 : 5);
+            assert_int_equal(scenario.design_space.count, two ? 18 : 30);
+            assert_int_equal(scenario.response, j);
+            scenario_fini(&scenario);
+        }
+    }
+}
+
+// The places follow from the car: bumper at the face, a quarter of the width overlapping, every
+// spring between the barrier's edge and the car's side, every component crushed before its rigid
+// end is reached. A slip of a digit in a file would break one of these.
+static void shipped_geometry_is_a_small_overlap(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+        struct scenario scenario = read_shipped(names[i], NULL);
+        double overlap = scenario.barrier.overlap, edge = scenario.barrier.edge_y;
+        // Half the width is twice the overlap, and the edge lies an overlap inside the side.
+        assert_true(fabs(edge + overlap) < 1e-9);
+        for (uint32_t s = 0; s < scenario.spring_count; s++) {
+            const struct scenario_spring *spring = &scenario.springs[s];
+            assert_true(spring->position[1] < edge);
+            assert_true(spring->position[1] > -2 * overlap);
+            assert_true(spring->deformation[spring->point_count - 1] < spring->length);
+        }
+        scenario_fini(&scenario);
+    }
+}
+
+// The first file shows every key, so leaving the optional ones out changes nothing.
+static void the_complete_example_shows_the_defaults(void **state)
+{
+    (void)state;
+    struct scenario shown = read_shipped("sedan-two-springs", NULL);
+    struct scenario initial;
+    scenario_init(&initial);
+    assert_memory_equal(&shown.simulation, &initial.simulation, sizeof initial.simulation);
+    assert_memory_equal(&shown.search, &initial.search, sizeof initial.search);
+    assert_true(shown.barrier.width == initial.barrier.width);
+    assert_true(shown.barrier.edge_radius == initial.barrier.edge_radius);
+    assert_int_equal(shown.barrier.profile, initial.barrier.profile);
+    assert_int_equal(shown.model, initial.model);
+    scenario_fini(&initial);
+    scenario_fini(&shown);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shipped_scenarios_are_valid),
+        cmocka_unit_test(shipped_geometry_is_a_small_overlap),
+        cmocka_unit_test(the_complete_example_shows_the_defaults),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
