@@ -3,7 +3,7 @@
 
 _expect_remedy()
 {
-    expect_said err 'no multicast route.*ip route add|ip route add.*multicast'
+    expect_said err 'no route for multicast.*ip route add'
 }
 
 coordinator_without_a_multicast_route_names_the_remedy()

@@ -57,12 +57,13 @@ _begins_with() # FILE BYTES
 picture_comes_as_svg_png_and_pdf()
 {
     run 0 sobox-coordinator "$scenario" --out run
-    run 0 sobox-report run --format png
-    run 0 sobox-report run --format pdf
+    run 0 sobox-report run --png --pdf
     _begins_with run/corridors.svg '<?xml'
     head -c 8 run/corridors.png | grep -qa PNG || fail 'corridors.png is none'
     _begins_with run/corridors.pdf '%PDF'
-    run 2 sobox-report run --format bmp
+    run 0 sobox-report run --out other.pdf
+    _begins_with other.pdf '%PDF'
+    run 2 sobox-report run --out other.bmp
     expect_said err 'svg'
 }
 

@@ -32,7 +32,7 @@ end() {
         kill -KILL "$left" 2>/dev/null
     done
     # A failure shows what every program said.
-    [ "$status" -eq 0 ] || tail -n 40 -- *.out *.err 2>/dev/null
+    [ "$status" -eq 0 ] || tail -n 40 -- out err *.out *.err 2>/dev/null
     cd /
     rm -rf "$folder"
     exit "$status"
@@ -45,9 +45,12 @@ processes_left() {
 }
 
 fail() {
-    local caller
-    read -r caller < <(caller 1)
-    printf '%s: %s\n' "$caller" "$1" >&2
+    # The innermost line that stands in a case's own file.
+    local level=1
+    while [[ ${BASH_SOURCE[level]} == */tools.bash ]]; do
+        level=$((level + 1))
+    done
+    printf '%s:%s: %s\n' "${BASH_SOURCE[level]}" "${BASH_LINENO[level - 1]}" "$1" >&2
     exit 1
 }
 

@@ -119,7 +119,7 @@ worker_ends_with_ctrl_c()
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --url "$url"
     wait_for_steps run 1
     press_ctrl_c worker
-    finish 130 worker
+    finish 0 worker
     # It has said that it leaves, so the coordinator need not first miss it.
     wait_for_line coordinator 'waiting for a worker'
 }
