@@ -37,6 +37,17 @@ static struct problem_curve problem_add_curve(struct kinematics_problem *problem
     return curve;
 }
 
+// A spring whose end just touches the face at time 0 does so in decimal numbers; in binary ones its
+// deformation may come out as some 1e-16 m. That would be contact for the integrators that let forces
+// act at time 0, by an accident of rounding, so touching is made exact.
+static double problem_reach(const struct kinematics_problem *problem,
+                            const struct kinematics_spring *spring)
+{
+    const double touching = 1e-12; // [m] well above rounding, well below any measure of a car
+    const double reach = spring->length - spring->position[0];
+    return fabs(reach - problem->start_x) < touching ? problem->start_x : reach;
+}
+
 static void problem_add_spring(struct kinematics_problem *problem,
                                const struct kinematics_spring *from)
 {
@@ -44,7 +55,7 @@ static void problem_add_spring(struct kinematics_problem *problem,
     spring->position_x = from->position[0];
     spring->position_y = from->position[1];
     spring->length = from->length;
-    spring->reach = from->length - from->position[0];
+    spring->reach = problem_reach(problem, from);
     assert(from->load.point_count > 0);
     spring->load = problem_add_curve(problem, &from->load);
     spring->unload = problem_add_curve(problem, &from->unload);
