@@ -1,5 +1,5 @@
-// occupy PORT: holds a UDP port without sharing it, as a program that is not LCM would, and says so,
-// until it is ended by a signal.
+// occupy PORT: holds a UDP port without sharing it, as a program that is not LCM would, and says
+// so, until it is ended by a signal.
 
 #include <arpa/inet.h>
 #include <stdio.h>

@@ -1,12 +1,9 @@
 #!/bin/sh
 # clang-format decides the layout of every source file.
 set -eu
-find common worker coordinator monitor tests -name '*.[ch]' | sort | {
-    wrong=0
-    while read -r source; do
-        clang-format "$source" | cmp -s - "$source" && continue
-        echo "$source: expected the layout of: clang-format -i $source"
-        wrong=1
-    done
-    exit $wrong
-}
+wrong=$(find common worker coordinator monitor tests -name '*.[ch]' |
+    xargs clang-format --dry-run --Werror 2>&1 | sed -n 's/:[0-9]*:[0-9]*: error:.*//p' | sort -u)
+for source in $wrong; do
+    echo "$source: expected the layout of: clang-format -i $source"
+done
+[ -z "$wrong" ]
