@@ -171,15 +171,67 @@ static void drain(int socket)
     }
 }
 
-bool guard_attach(int socket, unsigned index)
+static bool attach(int socket, unsigned index)
 {
     struct filter filter;
     write_filter(&filter, index);
     struct sock_fprog program = {.len = filter.length, .filter = filter.code};
-    if (setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) != 0)
+    return setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program) == 0;
+}
+
+// The kernel doubles what it grants; the second call goes beyond its limit where the process may.
+static void size_buffer(int socket, int32_t wanted)
+{
+    setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof wanted);
+    if (guard_buffer(socket) < (uint32_t)wanted)
+        setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &wanted, sizeof wanted);
+}
+
+// ---- Arming ----
+
+static bool stand(struct guard *guard, int socket)
+{
+    if (!attach(socket, guard->index))
         return false;
-    drain(socket);
+    size_buffer(socket, guard->buffer);
+    guard->socket = socket;
     return true;
+}
+
+// LCM warns that its receive buffer is small: its socket is open and not yet bound.
+static void on_warning(const gchar *domain, GLogLevelFlags level, const gchar *text, gpointer user)
+{
+    struct guard *guard = user;
+    if (g_thread_self() != guard->thread) {
+        g_log_default_handler(domain, level, text, NULL);
+        return;
+    }
+    for (int fd = 0; fd < GUARD_DESCRIPTORS && guard->socket < 0; fd++)
+        if (!was_open(&guard->before, fd) && is_bound_datagram(fd, 0))
+            stand(guard, fd);
+}
+
+void guard_arm(struct guard *guard, unsigned index, uint16_t port, int32_t buffer)
+{
+    *guard = (struct guard){
+        .index = index, .port = port, .buffer = buffer, .socket = -1, .thread = g_thread_self()};
+    guard_look(&guard->before);
+    // The warning is wanted, so it must not be fatal, whatever G_DEBUG says.
+    guard->log_fatal = g_log_set_always_fatal(G_LOG_LEVEL_ERROR);
+    guard->log_handler = g_log_set_default_handler(on_warning, guard);
+}
+
+int guard_disarm(struct guard *guard)
+{
+    g_log_set_default_handler(guard->log_handler, NULL);
+    g_log_set_always_fatal(guard->log_fatal);
+    int socket = guard_claim(&guard->before, guard->port);
+    if (socket < 0 || socket == guard->socket)
+        return socket;
+    if (!stand(guard, socket))
+        return -1;
+    drain(socket);
+    return socket;
 }
 
 uint32_t guard_dropped(int socket)
@@ -189,14 +241,10 @@ uint32_t guard_dropped(int socket)
     return values[SK_MEMINFO_DROPS];
 }
 
-uint32_t guard_buffer(int socket, int32_t wanted)
+uint32_t guard_buffer(int socket)
 {
     int granted = 0;
     socklen_t size = sizeof granted;
     getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &granted, &size);
-    if (granted < wanted) {
-        setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &wanted, sizeof wanted);
-        getsockopt(socket, SOL_SOCKET, SO_RCVBUF, &granted, &size);
-    }
     return (uint32_t)granted;
 }

@@ -6,12 +6,14 @@
 // it lets through only what LCM handles well: whole messages (LC02) on a channel of this port, of a
 // size that such a message can have.
 //
-// Between the moment LCM opens its socket and the filter's (some milliseconds, LCM's self test)
-// only the self test's channel is subscribed; sobox's channels are subscribed when the filter
-// stands and what came before it is gone.
+// LCM opens the socket, binds it and starts to read in one call, and in between it must be stopped:
+// one packet at the wrong moment is enough. The one place where it calls back is a GLib warning
+// that the receive buffer is smaller than asked. So it is asked for more than any kernel grants
+// (url.h), and the guard stands in as the log handler: socket open, not yet bound.
 #ifndef SOBOX_COMMON_WIRE_GUARD_H
 #define SOBOX_COMMON_WIRE_GUARD_H
 
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -32,15 +34,32 @@ bool guard_room(void);
 // inherit it. Returns the datagram socket among it that is bound to `port`, or -1.
 int guard_claim(const struct guard_descriptors *before, uint16_t port);
 
-// Puts the filter of the wire's port `index` (check.h) on the socket and waits, briefly, until what
-// was received before is read. False when the kernel refuses.
-bool guard_attach(int socket, unsigned index);
+// A guard on its way to LCM's socket.
+struct guard {
+    unsigned index;                  // of the wire's port
+    uint16_t port;                   // that LCM will bind
+    int32_t buffer;                  // receive buffer wanted [bytes]
+    int socket;                      // that the filter stands on; -1: none yet
+    struct guard_descriptors before; // open when the guard was armed
+    GThread *thread;                 // that LCM is called from
+    GLogFunc log_handler;            // GLib's, as it was
+    GLogLevelFlags log_fatal;        // same
+};
+
+// Call it, let LCM open its socket (lcm_get_fileno), then call guard_disarm().
+void guard_arm(struct guard *guard, unsigned index, uint16_t port, int32_t buffer);
+
+// Returns LCM's receiving socket, with the filter of the wire's port `index` (check.h) on it and
+// close-on-exec like all that LCM has opened meanwhile; -1 when there is no such socket, or the
+// kernel refuses the filter. Should LCM not have called back, the filter is put on now, and
+// what was received before is waited for, briefly; until then only the channel of LCM's self test
+// is subscribed to.
+int guard_disarm(struct guard *guard);
 
 // Datagrams that the kernel dropped at this socket, for want of buffer or by the filter; wraps.
 uint32_t guard_dropped(int socket);
 
-// The socket's receive buffer [bytes]. Raised to `wanted` where the process may exceed the
-// system's limit (net.core.rmem_max).
-uint32_t guard_buffer(int socket, int32_t wanted);
+// The receive buffer that the kernel granted the socket [bytes].
+uint32_t guard_buffer(int socket);
 
 #endif

@@ -120,7 +120,7 @@ const char *url_lcm(const struct url *url, unsigned index, char text[URL_LCM_SIZ
         g_strlcpy(text, "memq://", URL_LCM_SIZE);
     else
         snprintf(text, URL_LCM_SIZE, "udpm://%s:%u?ttl=%u&recv_buf_size=%d", url->address,
-                 url->port + index, url->ttl, url->receive_buffer);
+                 url->port + index, url->ttl, INT32_MAX);
     return text;
 }
 

@@ -33,7 +33,9 @@ struct url {
 // Errors: STATUS_INVALID with what would be right.
 enum status url_parse(struct url *url, const char *text, struct error *error) MUST_USE;
 
-// Writes the URL for LCM of the port `index` places after the first; returns `text`.
+// Writes the URL for LCM of the port `index` places after the first; returns `text`. It asks for a
+// receive buffer that no kernel grants: LCM's warning of that is where guard.h puts its filter on
+// the socket, and sets the buffer to what this URL asks for.
 const char *url_lcm(const struct url *url, unsigned index, char text[URL_LCM_SIZE]);
 
 // Socket address of that port of the group.

@@ -112,10 +112,11 @@ static enum status open_ports(struct wire *wire, struct error *error)
 static void report_buffer(struct wire *wire, const struct wire_port *port)
 {
     uint32_t *least = &wire->counters.buffer_size;
-    if (*least == 0 && port->buffer_size < BUFFER_ADVISED)
+    if (port->buffer_size < BUFFER_ADVISED && !wire->buffer_noted)
         log_note("the kernel grants a receive buffer of %u bytes only, which may lose messages: "
                  "'sysctl -w net.core.rmem_max=%d' (root) raises its limit",
                  port->buffer_size, wire->url.receive_buffer);
+    wire->buffer_noted |= port->buffer_size < BUFFER_ADVISED;
     if (*least == 0 || port->buffer_size < *least)
         *least = port->buffer_size;
 }
@@ -124,27 +125,27 @@ static void report_buffer(struct wire *wire, const struct wire_port *port)
 static enum status listen_udpm(struct wire *wire, unsigned index, struct error *error)
 {
     struct wire_port *port = &wire->ports[index];
-    struct guard_descriptors before;
+    struct guard guard;
     struct quiet quiet;
     if (!guard_room())
         return too_many_files(error);
     enum status status = probe_port(&wire->url, index, error);
     if (status != STATUS_OK)
         return status;
-    guard_look(&before);
     quiet_start(&quiet);
+    guard_arm(&guard, index, (uint16_t)(wire->url.port + index), wire->url.receive_buffer);
     int descriptor = lcm_get_fileno(port->lcm); // LCM's self test: ten seconds if it fails
+    port->socket = guard_disarm(&guard);
     quiet_end(&quiet);
-    port->socket = guard_claim(&before, (uint16_t)(wire->url.port + index));
-    if (descriptor < 0 || port->socket < 0)
+    if (descriptor < 0)
         return error_set(error, STATUS_NETWORK, "LCM cannot listen on port %u: %s",
                          wire->url.port + index, quiet.text);
-    if (!guard_attach(port->socket, index))
+    if (port->socket < 0)
         return error_set(error, STATUS_NETWORK,
                          "the kernel refuses the filter that protects LCM on port %u",
                          wire->url.port + index);
     port->dropped_last = guard_dropped(port->socket);
-    port->buffer_size = guard_buffer(port->socket, wire->url.receive_buffer);
+    port->buffer_size = guard_buffer(port->socket);
     report_buffer(wire, port);
     return STATUS_OK;
 }

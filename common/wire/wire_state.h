@@ -37,9 +37,10 @@ struct wire {
     struct wire_slot slots[WIRE_KIND_COUNT];
     struct wire_counters counters;
     struct sequence *heard;
-    size_t queued;    // messages in memq's queue
-    bool dispatching; // LCM does not allow to handle within a handler
-    GSource *source;  // NULL while detached
+    size_t queued;     // messages in memq's queue
+    bool dispatching;  // LCM does not allow to handle within a handler
+    bool buffer_noted; // the user was told of a small receive buffer
+    GSource *source;   // NULL while detached
     uint8_t packet[WIRE_MTU_MAX];
 };
 

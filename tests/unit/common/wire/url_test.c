@@ -13,11 +13,12 @@ static void complete_and_short_urls_are_read(void **state)
     assert_string_equal(url_lcm(&url, 0, text), "memq://");
     assert_int_equal(url_parse(&url, "udpm://239.255.76.67:7667", NULL), STATUS_OK);
     assert_string_equal(url_lcm(&url, 2, text),
-                        "udpm://239.255.76.67:7669?ttl=0&recv_buf_size=4000000");
+                        "udpm://239.255.76.67:7669?ttl=0&recv_buf_size=2147483647");
     assert_int_equal(url_parse(&url, "udpm://224.0.1.2:65533?recv_buf_size=1000000&ttl=255", NULL),
                      STATUS_OK);
     assert_string_equal(url_lcm(&url, 2, text),
-                        "udpm://224.0.1.2:65535?ttl=255&recv_buf_size=1000000");
+                        "udpm://224.0.1.2:65535?ttl=255&recv_buf_size=2147483647");
+    assert_int_equal(url.receive_buffer, 1000000);
 }
 
 // Each of these is accepted by LCM and then does not work, or is a slip of the pen; the message

@@ -9,7 +9,10 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
+#include <signal.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define URL "udpm://239.255.76.67:7667"
@@ -189,6 +192,33 @@ static void packets_that_harm_lcm_are_filtered(void **state)
     wire_close(wire);
 }
 
+// LCM binds its port and reads from it before it returns; a stranger that sends the deadly fragment
+// without end, on the one channel that is listened to by then, must find the filter there already.
+static void opening_under_fire_is_safe(void **state)
+{
+    (void)state;
+    enum { ROUNDS = 20 };
+    pid_t fire = fork();
+    assert_true(fire >= 0);
+    if (fire == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL); // also when an assertion ends the test early
+        int stranger = stranger_open();
+        for (;;)
+            SEND(stranger, "LC03\0\0\0\1\0\0\0\20\xff\xff\xff\xf0\0\0\0\1LCM_SELF_TEST\0"
+                           "twenty-five bytes of data");
+    }
+    for (unsigned i = 0; i < ROUNDS; i++) {
+        struct seen seen = {0};
+        struct wire *wire = wire_at(URL, 1);
+        listen_to(wire, WIRE_SAMPLE_BATCH, &seen);
+        publish(wire, WIRE_SAMPLE_BATCH);
+        await(wire, &seen, 1);
+        wire_close(wire);
+    }
+    kill(fire, SIGKILL);
+    assert_int_equal(waitpid(fire, NULL, 0), fire);
+}
+
 // What gets through to the checks is counted for what it is, and what is right still arrives.
 static void forged_messages_are_counted_and_dropped(void **state)
 {
@@ -290,6 +320,18 @@ static void source_follows_a_reopened_wire(void **state)
     publish(wire, WIRE_TEXT);
     while (seen.total < 1)
         g_main_context_iteration(NULL, TRUE);
+    wire_close(wire);
+}
+
+// The receive buffer is what the URL asks for (doubled by the kernel), not what LCM was told to
+// ask.
+static void receive_buffer_is_as_asked(void **state)
+{
+    (void)state;
+    struct seen seen = {0};
+    struct wire *wire = wire_at(URL "?recv_buf_size=100000", 1);
+    listen_to(wire, WIRE_TEXT, &seen);
+    assert_int_equal(counters_of(wire).buffer_size, 200000);
     wire_close(wire);
 }
 
@@ -417,10 +459,12 @@ int main(void)
         cmocka_unit_test(every_kind_crosses),
         cmocka_unit_test(sending_opens_no_port),
         cmocka_unit_test(packets_that_harm_lcm_are_filtered),
+        cmocka_unit_test(opening_under_fire_is_safe),
         cmocka_unit_test(forged_messages_are_counted_and_dropped),
         cmocka_unit_test(flood_is_bounded_and_its_losses_counted),
         cmocka_unit_test(reopened_wire_hears_again),
         cmocka_unit_test(source_follows_a_reopened_wire),
+        cmocka_unit_test(receive_buffer_is_as_asked),
         cmocka_unit_test(descriptors_close_on_exec),
         cmocka_unit_test(full_descriptor_table_is_an_error),
         cmocka_unit_test(port_in_use_is_named),
