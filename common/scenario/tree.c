@@ -216,15 +216,20 @@ static bool next_event(struct builder *builder, yaml_event_t *event)
     return fail_syntax(builder);
 }
 
+// Plain YAML has three spellings of nothing, and the canonical text needs one.
+static const char *plain_text(const char *text)
+{
+    return text[0] == '\0' || strcmp(text, "~") == 0 ? "null" : text;
+}
+
 static bool build_scalar(struct builder *builder, const yaml_event_t *event, struct tree_node *node)
 {
     const char *text = (const char *)event->data.scalar.value;
     if (strlen(text) != event->data.scalar.length)
         return fail(builder, &event->start_mark, "expected text without the character NUL");
     node->quoted = event->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
-    if (!node->quoted && (text[0] == '\0' || strcmp(text, "~") == 0))
-        text = "null";
-    node->text = g_string_chunk_insert_const(builder->tree->strings, text);
+    node->text =
+        g_string_chunk_insert_const(builder->tree->strings, node->quoted ? text : plain_text(text));
     return true;
 }
 
@@ -388,6 +393,38 @@ static struct tree_node *build_document(struct builder *builder, const struct tr
     return root;
 }
 
+// Whether a line begins at `offset`, after any of the line breaks that libyaml knows.
+static bool line_begins(const char *text, size_t offset)
+{
+    static const char *const breaks[] = {
+        "\n",           "\r",           "\xc2\x85",
+        "\xe2\x80\xa8", "\xe2\x80\xa9", "\xef\xbb\xbf"}; // the last is a byte order mark
+    if (offset == 0)
+        return true;
+    for (size_t i = 0; i < G_N_ELEMENTS(breaks); i++) {
+        size_t length = strlen(breaks[i]);
+        if (offset >= length && memcmp(text + offset - length, breaks[i], length) == 0)
+            return true;
+    }
+    return false;
+}
+
+// Directives are of no use here, and libyaml compares each with all before it: a megabyte of them
+// takes it a quarter of a minute.
+static bool refuse_directives(struct builder *builder, size_t size)
+{
+    const char *text = builder->text;
+    const char *at = memchr(text, '%', size);
+    while (at != NULL && !line_begins(text, (size_t)(at - text)))
+        at = memchr(at + 1, '%', size - (size_t)(at + 1 - text));
+    if (at == NULL)
+        return true;
+    yaml_mark_t mark = mark_of(text, (size_t)(at - text));
+    return fail(builder, &mark,
+                "directives (%%) are not supported: expected no line that begins "
+                "with '%%'");
+}
+
 // Parses `text` into nodes that belong to `tree` and will hang below `parent` at `depth`.
 static struct tree_node *parse(struct tree *tree, const char *source, const char *text, size_t size,
                                const struct tree_node *parent, uint32_t depth, struct error *error)
@@ -409,6 +446,8 @@ static struct tree_node *parse(struct tree *tree, const char *source, const char
         fail(&builder, &mark, "expected UTF-8, found the byte 0x%02x", (unsigned char)*end);
         return NULL;
     }
+    if (!refuse_directives(&builder, size))
+        return NULL;
     int initialized = yaml_parser_initialize(&builder.parser);
     g_assert(initialized); // fails without memory only
     yaml_parser_set_encoding(&builder.parser, YAML_UTF8_ENCODING);
@@ -525,6 +564,7 @@ static bool find_slot(struct tree_node *node, const char *step, const char *sour
                       struct slot *slot, struct error *error)
 {
     slot->node = node;
+    step = plain_text(step);
     if (node->kind == TREE_SEQUENCE)
         return find_item(node, step, &slot->index, source, error);
     char path[TREE_PATH_SIZE], shown[TREE_SHOWN_SIZE];
@@ -554,7 +594,7 @@ static void fill_slot(struct tree *tree, const struct slot *slot, const char *st
         return;
     }
     struct tree_node *key = node_create(tree, TREE_SCALAR, value->source, &(yaml_mark_t){0}, node);
-    key->text = g_string_chunk_insert_const(tree->strings, step);
+    key->text = g_string_chunk_insert_const(tree->strings, plain_text(step));
     append(&node->keys, node->count, key);
     append(&node->items, node->count, value);
     node->count++;

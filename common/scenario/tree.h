@@ -1,8 +1,8 @@
 // YAML as a small tree in which every node remembers where it stands, so that whoever finds it
 // wrong can point at it. The text is untrusted: size, depth, number of nodes and keys are bounded,
 // and whatever could surprise a reader is refused instead of interpreted: aliases and anchors,
-// tags, a second document, a key given twice, invalid UTF-8. What a scalar means is decided by the
-// reader that asks for a number or a word, never by its looks.
+// tags, directives, a second document, a key given twice, invalid UTF-8. What a scalar means is
+// decided by the reader that asks for a number or a word, never by its looks.
 #ifndef SOBOX_COMMON_SCENARIO_TREE_H
 #define SOBOX_COMMON_SCENARIO_TREE_H
 

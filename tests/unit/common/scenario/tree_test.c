@@ -88,6 +88,10 @@ static void surprises_are_refused(void **state)
         {"a: !!float 1\n", "t.yaml:1:4: tags (!) are not supported"},
         {"a: !mine [1]\n", "t.yaml:1:4: tags (!) are not supported"},
         {"a: 1\n---\nb: 2\n", "t.yaml:2:1: expected one YAML document, found a second"},
+        {"%YAML 1.1\n---\na: 1\n", "t.yaml:1:1: directives (%) are not supported"},
+        {"a: 1\n...\n%TAG ! x\n---\n", "t.yaml:3:1: directives (%) are not supported"},
+        {"\xef\xbb\xbf%TAG ! x\n---\n", "t.yaml:1:2: directives (%) are not supported"},
+        {"# \xe2\x80\xa8%TAG ! x\n", "t.yaml:1:4: directives (%) are not supported"},
         {"a: 1\nb: 2\na: 3\n", "t.yaml:3:1: key 'a' is given twice"},
         {"[1, 2]: 3\n", "t.yaml:1:1: expected a plain key, found a list or a mapping"},
         {"? {a: 1}\n: 3\n", "t.yaml:1:3: expected a plain key, found a list or a mapping"},
@@ -139,6 +143,10 @@ static void bombs_end_at_a_bound(void **state)
     assert_refused(keys->str, keys->len, "t.yaml:257:1: expected at most 256 keys in one mapping");
     g_string_free(keys, TRUE);
 
+    char *directives = repeated("%TAG !a! b\r", 1000);
+    assert_refused(directives, strlen(directives), "t.yaml:1:1: directives (%) are not supported");
+    g_free(directives);
+
     char *large = repeated("# comment\n", TREE_TEXT_SIZE_MAX / 10 + 1);
     assert_refused(large, strlen(large), "t.yaml:1:1: expected at most 1048576 bytes of YAML");
     g_free(large);
@@ -171,6 +179,8 @@ static void assignments_replace_and_add(void **state)
     set(tree, "list.1.c='text=with=equals'");
     set(tree, "deep.er.still=1e3");
     set(tree, "deep.er.still=2e3");
+    set(tree, "~=1");
+    set(tree, "~=2");
     assert_emits(tree, "a:\n"
                        "  b: 7\n"
                        "  new: [1, 2]\n"
@@ -179,7 +189,8 @@ static void assignments_replace_and_add(void **state)
                        "- c: 'text=with=equals'\n"
                        "deep:\n"
                        "  er:\n"
-                       "    still: 2e3\n");
+                       "    still: 2e3\n"
+                       "null: 2\n");
     const struct tree_node *still =
         tree_child(tree_child(tree_child(tree_root(tree), "deep"), "er"), "still");
     assert_string_equal(still->source, "--set deep.er.still=2e3");
