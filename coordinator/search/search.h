@@ -60,8 +60,9 @@ struct search_progress {
 
 struct search_result {
     enum search_status status;
-    const struct box *box; // the corridors; borrowed for the life of the search
-    double log_volume;
+    const struct box *box; // the corridors; borrowed for the life of the search. Without a good
+                           // design it is the least violating one alone, lower equal to upper
+    double log_volume;     // -infinity without a good design
     struct {
         uint64_t samples;
         uint64_t bad;

@@ -1,0 +1,34 @@
+// Moves all sides of a box a little so that each is worth its place: where the box is largest for
+// its purity, every side that could move has the same share of bad designs along it, for otherwise
+// moving one out and another in by the same factor would give a purer box of the same volume.
+// (Write p for the bad share of the box and p_s for that along side s; moving side s out by a
+// factor e changes the logarithm of the volume by e and p by e (p_s - p). Lagrange: all p_s are
+// equal.)
+//
+// The share along a side is estimated from the bad samples of one step, each counted by its
+// distance from the side. One step's estimate is noise, so sides move by little and the noise
+// averages out over the steps (stochastic approximation, Robbins and Monro 1951). All samples of
+// all steps thus shape the box, where a trim lets single samples decide: in 30 dimensions, where
+// the bad designs sit in the corners, that is the difference between 0.5 and 0.9 of the possible
+// volume.
+#ifndef SOBOX_COORDINATOR_SEARCH_BALANCE_H
+#define SOBOX_COORDINATOR_SEARCH_BALANCE_H
+
+#include "coordinator/search/cloud.h"
+
+struct balance_step {
+    uint32_t samples;        // of the step, uniform in the box
+    const struct cloud *bad; // the bad ones
+    double bad_share;        // to be approached
+    double gain;             // how fast sides move against each other; balance_gain
+    double volume_gain;      // how fast they move together towards bad_share
+    int threads;
+};
+
+// Moves the sides of `box`, from which the samples were drawn, within `space`.
+void balance(struct box *box, const struct box *space, const struct balance_step *step);
+
+// A gain that averages over some 50 steps of 200 samples.
+extern const double balance_gain;
+
+#endif

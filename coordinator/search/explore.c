@@ -1,0 +1,107 @@
+#include "coordinator/search/explore.h"
+
+#include <assert.h>
+#include <math.h>
+
+static void prepare(struct explore *explore)
+{
+    if (explore->balancing) {
+        explore->rate = 0;
+        box_assign(&explore->sampled, &explore->box);
+    } else {
+        explore->rate = explore->growth.rate;
+        growth_apply(&explore->growth, &explore->box, explore->space, &explore->sampled);
+    }
+}
+
+void explore_init(struct explore *explore, const struct box *space, const double *start,
+                  size_t stride)
+{
+    *explore = (struct explore){.space = space};
+    box_init(&explore->box, space->count);
+    box_init(&explore->sampled, space->count);
+    for (uint32_t v = 0; v < space->count; v++)
+        explore->box.lower[v] = explore->box.upper[v] = start[v * stride];
+    growth_init(&explore->growth);
+    prepare(explore);
+}
+
+void explore_fini(struct explore *explore)
+{
+    box_fini(&explore->box);
+    box_fini(&explore->sampled);
+    *explore = (struct explore){0};
+}
+
+// Trims the sampled box into the box. Without a good sample in it the box stays what it was.
+static void cut(struct explore *explore, const struct explore_step *step)
+{
+    struct trim_options options = trim_options_default();
+    options.threads = step->threads;
+    struct box trimmed;
+    box_init(&trimmed, explore->box.count);
+    if (trim(&explore->sampled, &explore->box, step->good, step->bad, &options, &trimmed))
+        box_assign(&explore->box, &trimmed);
+    box_fini(&trimmed);
+}
+
+static void remember_yield(struct explore *explore, double share)
+{
+    struct volume yield = volume_of(&explore->sampled, explore->space);
+    int shift;
+    yield.mantissa = frexp(yield.mantissa * share, &shift);
+    yield.exponent += shift;
+    explore->yield[explore->steps % EXPLORE_MEMORY] = yield;
+}
+
+void explore_complete(struct explore *explore, const struct explore_step *step)
+{
+    const double share = (double)step->good_count / step->samples;
+    remember_yield(explore, share);
+    explore->steps++;
+    const bool few = growth_too_much(share);
+    if (explore->balancing && !few) {
+        const struct balance_step balancing = {.samples = step->samples,
+                                               .bad = step->bad,
+                                               .bad_share = step->bad_share,
+                                               .gain = balance_gain,
+                                               .volume_gain = step->volume_gain,
+                                               .threads = step->threads};
+        balance(&explore->box, explore->space, &balancing);
+    } else if (!few || explore->balancing || growth_exhausted(&explore->growth)) {
+        cut(explore, step);
+    }
+    if (!explore->balancing)
+        growth_steer(&explore->growth, share);
+    prepare(explore);
+}
+
+void explore_settle(struct explore *explore)
+{
+    if (explore->balancing)
+        return;
+    // The last grown box has the good share that balancing starts from; the trimmed one is smaller.
+    explore->balancing = true;
+    prepare(explore);
+}
+
+bool explore_whole(const struct explore *explore)
+{
+    return box_equal(&explore->box, explore->space);
+}
+
+bool explore_ahead(const struct explore *a, const struct explore *b)
+{
+    struct volume products[2];
+    const struct explore *both[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        products[i] = (struct volume){.mantissa = 0.5, .exponent = 1};
+        for (int step = 0; step < EXPLORE_MEMORY; step++) {
+            int shift;
+            const struct volume *yield = &both[i]->yield[step];
+            products[i].mantissa = frexp(products[i].mantissa * yield->mantissa, &shift);
+            products[i].exponent += yield->exponent + shift;
+        }
+    }
+    return volume_above(products[0], products[1]);
+}

@@ -1,0 +1,644 @@
+#include "coordinator/search/search.h"
+
+#include "coordinator/search/certificate.h"
+#include "coordinator/search/explore.h"
+#include "coordinator/search/seek.h"
+
+#include <assert.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    SEARCH_STARTS = 6,      // boxes that are grown at first, one from each start
+    SEARCH_CHUNK = 1024,    // samples made at once when a step is gone through
+    SEARCH_GOOD_KEPT = 512, // good samples of a step that the trim may anchor on
+    SEARCH_GROW_STEPS = 8,  // of each box between two decisions of the tournament
+};
+
+// The good share that exploration aims at, as a bad share.
+static const double search_explore_bad = 0.25;
+
+// How fast the volume follows the good share: in exploration it has far to go; in consolidation the
+// few bad samples of a step are noise that must average out.
+static const double search_explore_gain = 1.2;
+static const double search_consolidate_gain = 0.2;
+
+// The consolidation reaches its final share after this part of its steps and settles in the rest.
+static const double search_settle_after = 0.8;
+
+struct search {
+    const struct scenario *scenario; // borrowed
+    uint32_t index;
+    uint64_t seed;
+    int threads;
+
+    // The free variables, in which everything below is expressed.
+    uint32_t *variables; // (space.count) index among all variables
+    struct box space;
+
+    // Where the search stands.
+    enum search_phase phase;
+    enum search_status status;
+    struct search_request request;
+    struct box requested; // all variables; request.box points here
+    struct search_step last;
+    uint32_t step; // steps finished
+    uint64_t evaluations;
+    uint64_t non_finite;
+
+    // Seek.
+    struct seek seek;
+    uint64_t blocked[256]; // bad samples of the seek by worst constraint
+
+    // Explore: a tournament. Each box left grows for a number of steps, then the better half goes
+    // on, until one is left.
+    struct explore explores[SEARCH_STARTS];
+    uint32_t left[SEARCH_STARTS]; // indexes of the boxes that are in the tournament
+    uint32_t left_count;
+    uint32_t turn;       // place in `left` of the box whose step it is
+    uint32_t turn_steps; // steps it has left in this round
+    uint32_t explore_steps;
+
+    // Consolidate.
+    uint32_t consolidate_steps; // of this consolidation, finished
+    uint32_t consolidate_count; // of this consolidation, in all
+    double bad_from;            // bad share it starts from
+    double bad_to;              // and ends at
+    uint32_t samples;           // a step
+
+    struct certificate certificate;
+
+    // The samples of the step that is being completed.
+    struct cloud good;
+    struct cloud bad;
+    uint32_t good_count;
+    double *chunk; // (all variables x SEARCH_CHUNK)
+
+    struct box result; // all variables
+};
+
+const char *search_phase_name(enum search_phase phase)
+{
+    static const char *const names[] = {
+        [SEARCH_PHASE_SEEK] = "seek",
+        [SEARCH_PHASE_EXPLORE] = "explore",
+        [SEARCH_PHASE_CONSOLIDATE] = "consolidate",
+        [SEARCH_PHASE_CERTIFY] = "certify",
+        [SEARCH_PHASE_DONE] = "done",
+    };
+    return names[phase];
+}
+
+const char *search_status_name(enum search_status status)
+{
+    static const char *const names[] = {
+        [SEARCH_STATUS_RUNNING] = "running",
+        [SEARCH_STATUS_DONE] = "done",
+        [SEARCH_STATUS_PURITY_MISSED] = "purity_missed",
+        [SEARCH_STATUS_NO_GOOD_DESIGN] = "no_good_design",
+    };
+    return names[status];
+}
+
+// The box that is being worked on.
+static struct explore *current(struct search *search)
+{
+    return &search->explores[search->left[search->turn]];
+}
+
+// The box of the free variables that stands for the search as it is: until there is one, what is
+// being sampled; if there will be none, the least violating design alone.
+static const struct box *standing(const struct search *search)
+{
+    return search->left_count == 0 ? &search->seek.box
+                                   : &search->explores[search->left[search->turn]].box;
+}
+
+// Puts a box of the free variables into one of all variables.
+static void widen(const struct search *search, const struct box *box, struct box *all)
+{
+    box_assign(all, &search->scenario->design_space);
+    for (uint32_t v = 0; v < box->count; v++) {
+        all->lower[search->variables[v]] = box->lower[v];
+        all->upper[search->variables[v]] = box->upper[v];
+    }
+}
+
+// ---- what to sample next
+
+static void ask(struct search *search, const struct box *box, uint32_t samples,
+                enum scenario_sampling method, enum verdict_detail detail)
+{
+    widen(search, box, &search->requested);
+    search->request = (struct search_request){
+        .sampling = {.seed = search->seed,
+                     .search = search->index,
+                     .step = search->step,
+                     .samples = samples,
+                     .method = method},
+        .phase = search->phase,
+        .detail = detail,
+        .box = &search->requested,
+    };
+}
+
+static void ask_next(struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    switch (search->phase) {
+    case SEARCH_PHASE_SEEK:
+        ask(search, &search->seek.box, settings->samples, SCENARIO_SAMPLING_LATIN_HYPERCUBE,
+            VERDICT_DETAIL_FULL);
+        break;
+    case SEARCH_PHASE_EXPLORE:
+        ask(search, &current(search)->sampled, settings->samples, settings->sampling,
+            VERDICT_DETAIL_FULL);
+        break;
+    case SEARCH_PHASE_CONSOLIDATE:
+        ask(search, &current(search)->sampled, search->samples, settings->sampling,
+            VERDICT_DETAIL_FULL);
+        break;
+    case SEARCH_PHASE_CERTIFY:
+        // Clopper-Pearson holds for independent samples only.
+        ask(search, &current(search)->box, settings->certificate_samples, SCENARIO_SAMPLING_UNIFORM,
+            VERDICT_DETAIL_SHARE);
+        break;
+    case SEARCH_PHASE_DONE:
+        break;
+    }
+}
+
+// ---- the samples of the finished step
+
+// Adds samples of a chunk, chosen by index, to a cloud.
+static void gather(const struct search *search, struct cloud *cloud, const uint32_t *chosen,
+                   uint32_t count, const struct verdict *verdicts)
+{
+    cloud_reserve(cloud, count);
+    for (uint32_t v = 0; v < cloud->variables; v++) {
+        const double *from = search->chunk + (size_t)search->variables[v] * SEARCH_CHUNK;
+        double *column = cloud->values + (size_t)v * cloud->capacity + cloud->count;
+        for (uint32_t i = 0; i < count; i++)
+            column[i] = from[chosen[i]];
+    }
+    for (uint32_t i = 0; i < count; i++)
+        cloud->violation[cloud->count + i] = verdicts[chosen[i]].violation;
+    cloud->count += count;
+}
+
+// Makes the samples of the step again and sorts them into good and bad.
+static void recall(struct search *search, const struct verdict *verdicts)
+{
+    const struct sampling *sampling = &search->request.sampling;
+    cloud_clear(&search->good);
+    cloud_clear(&search->bad);
+    search->good_count = verdict_good_count(verdicts, sampling->samples);
+    for (uint32_t first = 0; first < sampling->samples; first += SEARCH_CHUNK) {
+        uint32_t count = sampling->samples - first;
+        count = count < SEARCH_CHUNK ? count : SEARCH_CHUNK;
+        sampling_fill(sampling, &search->requested, first, count, search->chunk, SEARCH_CHUNK);
+        uint32_t good[SEARCH_CHUNK];
+        uint32_t bad[SEARCH_CHUNK];
+        uint32_t good_count = 0;
+        uint32_t bad_count = 0;
+        const uint32_t room = SEARCH_GOOD_KEPT - search->good.count;
+        for (uint32_t i = 0; i < count; i++) {
+            if (verdicts[first + i].violation != VERDICT_GOOD)
+                bad[bad_count++] = i;
+            else if (good_count < room)
+                good[good_count++] = i;
+        }
+        gather(search, &search->good, good, good_count, verdicts + first);
+        gather(search, &search->bad, bad, bad_count, verdicts + first);
+    }
+}
+
+static void count_verdicts(struct search *search, const struct verdict *verdicts)
+{
+    const uint32_t samples = search->request.sampling.samples;
+    search->evaluations += samples;
+    if (search->request.detail != VERDICT_DETAIL_FULL)
+        return;
+    for (uint32_t i = 0; i < samples; i++) {
+        search->non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
+        if (search->phase == SEARCH_PHASE_SEEK && verdicts[i].violation != VERDICT_GOOD)
+            search->blocked[verdicts[i].constraint]++;
+    }
+}
+
+// ---- from phase to phase
+
+static void finish(struct search *search, enum search_status status)
+{
+    search->phase = SEARCH_PHASE_DONE;
+    search->status = status;
+}
+
+static bool has_volume(const struct box *box, const struct box *space)
+{
+    return volume_of(box, space).mantissa > 0;
+}
+
+static void start_certify(struct search *search)
+{
+    if (has_volume(&current(search)->box, &search->space))
+        search->phase = SEARCH_PHASE_CERTIFY;
+    else
+        finish(search, SEARCH_STATUS_NO_GOOD_DESIGN);
+}
+
+// The bad share to consolidate to: so far below what the next certificate allows that it passes
+// with near certainty, and not further.
+static double bad_share_wanted(const struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    const int64_t most = certificate_bad_max(&search->certificate, settings->certificate_samples,
+                                             settings->target_purity);
+    double share = most > 0 ? (double)most / settings->certificate_samples : 0;
+    // A certificate that allows hardly any bad sample says little about what it would take.
+    const double least = (1 - settings->target_purity) / 4;
+    share = share / 2 > least ? share / 2 : least;
+    for (uint32_t look = 0; look < search->certificate.looks; look++)
+        share /= 2;
+    return share;
+}
+
+static void start_consolidate(struct search *search, uint32_t steps, double bad_from)
+{
+    search->phase = SEARCH_PHASE_CONSOLIDATE;
+    search->consolidate_steps = 0;
+    search->consolidate_count = steps;
+    search->bad_from = bad_from;
+    search->bad_to = bad_share_wanted(search);
+    explore_settle(current(search));
+    if (steps == 0)
+        start_certify(search);
+}
+
+// The bad share to aim at in the next step: its inverse fourth root rises evenly, which is nearly
+// an even fall on a logarithmic scale and needs only what every machine rounds the same.
+static double bad_share_now(const struct search *search)
+{
+    const double way =
+        (search->consolidate_steps + 1) / (search_settle_after * search->consolidate_count);
+    if (way >= 1 || search->bad_from <= search->bad_to)
+        return search->bad_to;
+    const double root = 1 + way * (sqrt(sqrt(search->bad_from / search->bad_to)) - 1);
+    return search->bad_from / (root * root * root * root);
+}
+
+// The number of steps that each box in the tournament grows until the next decision.
+static uint32_t round_steps(const struct search *search)
+{
+    const uint32_t most = search->scenario->search.exploration_steps;
+    const uint32_t fair = most / (4 * search->left_count);
+    return fair < 1 ? 1 : fair < SEARCH_GROW_STEPS ? fair : SEARCH_GROW_STEPS;
+}
+
+static void start_explore(struct search *search)
+{
+    uint32_t picked[SEARCH_STARTS];
+    const struct cloud *good = &search->seek.good;
+    search->left_count = seek_pick(&search->seek, SEARCH_STARTS, picked);
+    for (uint32_t i = 0; i < search->left_count; i++) {
+        search->left[i] = i;
+        explore_init(&search->explores[i], &search->space, good->values + picked[i],
+                     good->capacity);
+    }
+    search->phase = SEARCH_PHASE_EXPLORE;
+    search->turn = 0;
+    search->turn_steps = round_steps(search);
+}
+
+// Whether the whole design space turned out good when it was last sampled.
+static bool all_good(const struct search *search)
+{
+    return search->good_count == search->request.sampling.samples;
+}
+
+// Sampled the whole design space and found it good: there is nothing to search for.
+static void take_whole_space(struct search *search)
+{
+    search->left_count = 1;
+    search->left[0] = 0;
+    explore_init(&search->explores[0], &search->space, search->space.lower, 1);
+    box_assign(&search->explores[0].box, &search->space);
+    explore_settle(&search->explores[0]);
+    start_certify(search);
+}
+
+// No good design: what remains to be said is which design violates least.
+static void give_up(struct search *search)
+{
+    const struct cloud *elite = &search->seek.elite;
+    for (uint32_t v = 0; v < search->space.count; v++)
+        search->seek.box.lower[v] = search->seek.box.upper[v] = cloud_column(elite, v)[0];
+    finish(search, SEARCH_STATUS_NO_GOOD_DESIGN);
+}
+
+static void complete_seek(struct search *search)
+{
+    const bool whole = box_equal(&search->seek.box, &search->space);
+    seek_complete(&search->seek, &search->good, &search->bad, search->request.sampling.samples);
+    if (whole && all_good(search))
+        take_whole_space(search);
+    else if (search->seek.state == SEEK_FOUND)
+        start_explore(search);
+    else if (search->seek.state == SEEK_FAILED)
+        give_up(search);
+}
+
+static void explore_once(struct search *search, double bad_share, double volume_gain)
+{
+    const struct explore_step step = {
+        .good = &search->good,
+        .bad = &search->bad,
+        .samples = search->request.sampling.samples,
+        .good_count = search->good_count,
+        .bad_share = bad_share,
+        .volume_gain = volume_gain,
+        .threads = search->threads,
+    };
+    explore_complete(current(search), &step);
+}
+
+// Keeps the better half of the boxes in the tournament.
+static void halve(struct search *search)
+{
+    for (uint32_t i = 1; i < search->left_count; i++) {
+        for (uint32_t j = i; j > 0; j--) {
+            uint32_t *one = &search->left[j - 1];
+            uint32_t *two = &search->left[j];
+            if (!explore_ahead(&search->explores[*two], &search->explores[*one]))
+                break;
+            const uint32_t swap = *one;
+            *one = *two;
+            *two = swap;
+        }
+    }
+    search->left_count = (search->left_count + 1) / 2;
+}
+
+// Gives the turn to the next box in the tournament; after the last one the better half stays.
+static void pass_turn(struct search *search)
+{
+    if (--search->turn_steps > 0 || search->left_count == 1)
+        return;
+    if (++search->turn == search->left_count) {
+        halve(search);
+        search->turn = 0;
+    }
+    search->turn_steps = round_steps(search);
+    if (search->left_count == 1)
+        search->turn_steps = SEARCH_GROW_STEPS;
+}
+
+static void complete_explore(struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    explore_once(search, search_explore_bad, search_explore_gain);
+    search->explore_steps++;
+    if (all_good(search) && explore_whole(current(search))) {
+        start_certify(search);
+        return;
+    }
+    if (search->left_count == 1 && search->turn_steps == 1)
+        explore_settle(current(search));
+    if (search->turn_steps > 1 || search->left_count > 1)
+        pass_turn(search);
+    if (search->explore_steps < settings->exploration_steps)
+        return;
+    while (search->left_count > 1)
+        halve(search);
+    search->turn = 0;
+    search->samples = settings->samples;
+    start_consolidate(search, settings->consolidation_steps, search_explore_bad);
+}
+
+static void complete_consolidate(struct search *search)
+{
+    explore_once(search, bad_share_now(search), search_consolidate_gain);
+    if (++search->consolidate_steps == search->consolidate_count)
+        start_certify(search);
+}
+
+static void complete_certify(struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    struct certificate *certificate = &search->certificate;
+    const double bad_before = bad_share_wanted(search);
+    certificate_look(certificate, search->request.sampling.samples, search->bad.count);
+    if (certificate->lower95 >= settings->target_purity) {
+        finish(search, SEARCH_STATUS_DONE);
+        return;
+    }
+    const bool hopeless = certificate->looks == CERTIFICATE_LOOKS ||
+                          certificate_bad_max(certificate, settings->certificate_samples,
+                                              settings->target_purity) < 0;
+    if (hopeless) {
+        finish(search, SEARCH_STATUS_PURITY_MISSED);
+        return;
+    }
+    search->samples = search->samples > UINT32_MAX / 2 ? search->samples : 2 * search->samples;
+    const uint32_t steps = settings->consolidation_steps / 4;
+    start_consolidate(search, steps > 0 ? steps : 1, bad_before);
+}
+
+static void note_step(struct search *search, enum search_phase phase, double growth)
+{
+    search->last = (struct search_step){
+        .step = search->request.sampling.step,
+        .phase = phase,
+        .samples = search->request.sampling.samples,
+        .good = search->good_count,
+        .growth = growth,
+        .log_volume = box_log_volume(standing(search), &search->space),
+    };
+}
+
+void search_complete(struct search *search, const struct verdict *verdicts)
+{
+    assert(search->phase != SEARCH_PHASE_DONE);
+    const enum search_phase phase = search->phase;
+    const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
+    count_verdicts(search, verdicts);
+    recall(search, verdicts);
+    search->step++;
+    switch (phase) {
+    case SEARCH_PHASE_SEEK:
+        complete_seek(search);
+        break;
+    case SEARCH_PHASE_EXPLORE:
+        complete_explore(search);
+        break;
+    case SEARCH_PHASE_CONSOLIDATE:
+        complete_consolidate(search);
+        break;
+    case SEARCH_PHASE_CERTIFY:
+        complete_certify(search);
+        break;
+    case SEARCH_PHASE_DONE:
+        break;
+    }
+    note_step(search, phase, growth);
+    widen(search, standing(search), &search->result);
+    ask_next(search);
+}
+
+// ---- making and asking
+
+static void find_free_variables(struct search *search)
+{
+    const struct box *space = &search->scenario->design_space;
+    box_init(&search->space, box_free_count(space));
+    search->variables = g_new(uint32_t, space->count + 1);
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < space->count; v++) {
+        if (!(space->upper[v] > space->lower[v]))
+            continue;
+        search->space.lower[count] = space->lower[v];
+        search->space.upper[count] = space->upper[v];
+        search->variables[count++] = v;
+    }
+}
+
+struct search *search_create(const struct scenario *scenario, uint32_t index, uint64_t seed,
+                             int threads)
+{
+    assert(threads > 0);
+    struct search *search = g_new0(struct search, 1);
+    search->scenario = scenario;
+    search->index = index;
+    search->seed = seed;
+    search->threads = threads;
+    find_free_variables(search);
+    const uint32_t all = scenario->design_space.count;
+    box_init(&search->requested, all);
+    box_init(&search->result, all);
+    box_assign(&search->result, &scenario->design_space);
+    cloud_init(&search->good, search->space.count);
+    cloud_init(&search->bad, search->space.count);
+    search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
+    search->samples = scenario->search.samples;
+    seek_init(&search->seek, &search->space, SEARCH_STARTS);
+    search->phase = SEARCH_PHASE_SEEK;
+    ask_next(search);
+    return search;
+}
+
+void search_free(struct search *search)
+{
+    if (search == NULL)
+        return;
+    for (uint32_t i = 0; i < SEARCH_STARTS; i++)
+        explore_fini(&search->explores[i]);
+    seek_fini(&search->seek);
+    cloud_fini(&search->good);
+    cloud_fini(&search->bad);
+    box_fini(&search->space);
+    box_fini(&search->requested);
+    box_fini(&search->result);
+    g_free(search->variables);
+    g_free(search->chunk);
+    g_free(search);
+}
+
+bool search_request(const struct search *search, struct search_request *request)
+{
+    if (search->phase == SEARCH_PHASE_DONE)
+        return false;
+    *request = search->request;
+    return true;
+}
+
+const struct search_step *search_last_step(const struct search *search)
+{
+    assert(search->step > 0);
+    return &search->last;
+}
+
+// Steps still to come if everything goes as it should.
+static uint32_t steps_left(const struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    uint32_t left = 0;
+    switch (search->phase) {
+    case SEARCH_PHASE_SEEK:
+        left += 1 + settings->exploration_steps + settings->consolidation_steps + 1;
+        break;
+    case SEARCH_PHASE_EXPLORE:
+        left +=
+            settings->exploration_steps - search->explore_steps + settings->consolidation_steps + 1;
+        break;
+    case SEARCH_PHASE_CONSOLIDATE:
+        left += search->consolidate_count - search->consolidate_steps + 1;
+        break;
+    case SEARCH_PHASE_CERTIFY:
+        left += 1;
+        break;
+    case SEARCH_PHASE_DONE:
+        break;
+    }
+    return left;
+}
+
+void search_progress(const struct search *search, struct search_progress *progress)
+{
+    const struct search_step *last = &search->last;
+    *progress = (struct search_progress){
+        .phase = search->phase,
+        .step = search->step,
+        .step_count = search->step + steps_left(search),
+        .evaluations = search->evaluations,
+        .good_share = search->step > 0 ? (double)last->good / last->samples : 0,
+        .log_volume = box_log_volume(standing(search), &search->space),
+        .box = &search->result,
+    };
+}
+
+static uint32_t blocking_constraint(const struct search *search)
+{
+    uint32_t most = 0;
+    for (uint32_t i = 1; i < G_N_ELEMENTS(search->blocked); i++) {
+        if (search->blocked[i] > search->blocked[most])
+            most = i;
+    }
+    return most;
+}
+
+static struct digest result_digest(const struct search *search)
+{
+    struct digest_state state;
+    digest_start(&state);
+    digest_doubles(&state, search->result.lower, search->result.count);
+    digest_doubles(&state, search->result.upper, search->result.count);
+    digest_u64(&state, search->status);
+    digest_u64(&state, search->step);
+    digest_u64(&state, search->evaluations);
+    digest_u64(&state, search->non_finite);
+    digest_u64(&state, search->certificate.samples);
+    digest_u64(&state, search->certificate.bad);
+    return digest_end(&state);
+}
+
+void search_result(const struct search *search, struct search_result *result)
+{
+    const struct certificate *certificate = &search->certificate;
+    *result = (struct search_result){
+        .status = search->status,
+        .box = &search->result,
+        .log_volume = box_log_volume(&search->result, &search->scenario->design_space),
+        .evaluations = search->evaluations,
+        .non_finite = search->non_finite,
+        .steps = search->step,
+        .blocking_constraint = blocking_constraint(search),
+        .digest = result_digest(search),
+    };
+    result->purity.samples = certificate->samples;
+    result->purity.bad = certificate->bad;
+    result->purity.lower95 = certificate->lower95;
+    if (certificate->samples > 0)
+        result->purity.estimate =
+            (double)(certificate->samples - certificate->bad) / (double)certificate->samples;
+}

@@ -1,0 +1,510 @@
+#include "coordinator/search/search.h"
+
+#include "worker/sampling/sampling.h"
+
+#include <glib.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// A problem whose answer is known: the relative violation of one design.
+typedef double problem_function(uint32_t variables, const double *design, size_t stride);
+
+static double hypersphere(uint32_t variables, const double *design, size_t stride)
+{
+    double sum = 0;
+    for (uint32_t v = 0; v < variables; v++)
+        sum += design[v * stride] * design[v * stride];
+    return sqrt(sum) - sqrt(variables) / 2;
+}
+
+// Two sections in a row, 2000 kg at 15.6 m/s: enough energy, not too much deceleration, and the
+// front one folds first. The largest box is F1 in [294480, 516720], F2 in [516720, 627840] N.
+static double two_section_crash(uint32_t variables, const double *design, size_t stride)
+{
+    (void)variables;
+    const double f1 = design[0];
+    const double f2 = design[stride];
+    const double energy = (2000 * 15.6 * 15.6 / 2 - 0.3 * (f1 + f2)) / 2.4336e5;
+    const double deceleration = f2 / 2000 / (32 * 9.81) - 1;
+    const double order = (f1 - f2) / 1e6;
+    return fmax(energy, fmax(deceleration, order));
+}
+
+static const double crash_area = 222240.0 * 111120.0;
+
+// Semi-axes 2 and 1 at 45 degrees: the largest box has half-widths 1 / sqrt(2).
+static double ellipse(uint32_t variables, const double *design, size_t stride)
+{
+    (void)variables;
+    const double along = (design[0] + design[stride]) / sqrt(2);
+    const double across = (design[stride] - design[0]) / sqrt(2);
+    return along * along / 4 + across * across - 1;
+}
+
+static double corner(uint32_t variables, const double *design, size_t stride)
+{
+    double least = 1;
+    for (uint32_t v = 0; v < variables; v++)
+        least = fmin(least, design[v * stride] - 0.7);
+    return least;
+}
+
+static double nowhere_good(uint32_t variables, const double *design, size_t stride)
+{
+    return 1 + hypersphere(variables, design, stride) / 10;
+}
+
+static double everywhere_good(uint32_t variables, const double *design, size_t stride)
+{
+    (void)variables;
+    (void)design;
+    (void)stride;
+    return -1;
+}
+
+// A cube of side 0.01: a share of 1e-20 of the design space in ten variables.
+static double tiny_cube(uint32_t variables, const double *design, size_t stride)
+{
+    double worst = -1;
+    for (uint32_t v = 0; v < variables; v++)
+        worst = fmax(worst, fabs(design[v * stride] - 0.3) / 0.005 - 1);
+    return worst;
+}
+
+// Two good balls; the second is smaller. Fails numerically far away from both.
+static double two_regions(uint32_t variables, const double *design, size_t stride)
+{
+    double one = 0;
+    double two = 0;
+    for (uint32_t v = 0; v < variables; v++) {
+        one += pow(design[v * stride] - 0.5, 2);
+        two += pow(design[v * stride] + 0.5, 2);
+    }
+    if (one > 6 && two > 6)
+        return NAN;
+    return fmin(sqrt(one) - 0.5, sqrt(two) - 0.3);
+}
+
+struct setting {
+    problem_function *problem;
+    uint32_t variables;
+    double lower;
+    double upper;
+    uint32_t fixed; // of the variables, in front
+    uint32_t samples;
+    uint32_t steps; // of exploration, and of consolidation
+    uint32_t certificate;
+    double target;
+    int threads;
+    bool replay; // start anew half-way, from the verdicts given so far
+};
+
+static const struct setting standard = {
+    .variables = 2,
+    .lower = -1,
+    .upper = 1,
+    .samples = 200,
+    .steps = 100,
+    .certificate = 10000,
+    .target = 0.99,
+    .threads = 1,
+};
+
+struct outcome_of_search {
+    struct search_result result;
+    struct box box;
+    uint32_t steps[SEARCH_PHASE_DONE];
+};
+
+static struct scenario scenario_of(const struct setting *setting)
+{
+    struct scenario scenario;
+    memset(&scenario, 0, sizeof scenario);
+    box_init(&scenario.design_space, setting->variables);
+    for (uint32_t v = 0; v < setting->variables; v++) {
+        scenario.design_space.lower[v] = v < setting->fixed ? 0.25 : setting->lower;
+        scenario.design_space.upper[v] = v < setting->fixed ? 0.25 : setting->upper;
+    }
+    scenario.search = (struct scenario_search){
+        .samples = setting->samples,
+        .exploration_steps = setting->steps,
+        .consolidation_steps = setting->steps,
+        .certificate_samples = setting->certificate,
+        .target_purity = setting->target,
+        .sampling = SCENARIO_SAMPLING_UNIFORM,
+    };
+    return scenario;
+}
+
+// What workers do.
+static void evaluate(const struct setting *setting, const struct search_request *request,
+                     struct verdict *verdicts)
+{
+    const uint32_t samples = request->sampling.samples;
+    double *values = g_new(double, (size_t)samples * setting->variables);
+    sampling_fill(&request->sampling, request->box, 0, samples, values, samples);
+    for (uint32_t i = 0; i < samples; i++) {
+        const double relative = setting->problem(setting->variables, values + i, samples);
+        verdicts[i] = (struct verdict){.violation = verdict_violation(relative)};
+        verdicts[i].constraint = verdicts[i].violation != 0 && relative > 0.5 ? 1 : 0;
+        if (request->detail == VERDICT_DETAIL_SHARE && verdicts[i].violation != 0)
+            verdicts[i] = (struct verdict){.violation = 1};
+    }
+    g_free(values);
+}
+
+// Runs a search to its end; the caller releases outcome.box.
+static struct outcome_of_search run(const struct setting *setting, uint64_t seed)
+{
+    struct scenario scenario = scenario_of(setting);
+    struct outcome_of_search outcome = {0};
+    struct search *search = search_create(&scenario, 3, seed, setting->threads);
+    GPtrArray *journal = g_ptr_array_new_with_free_func(g_free);
+    struct search_request request;
+    while (search_request(search, &request)) {
+        struct verdict *verdicts = g_new(struct verdict, request.sampling.samples);
+        evaluate(setting, &request, verdicts);
+        g_ptr_array_add(journal, verdicts);
+        outcome.steps[request.phase]++;
+        search_complete(search, verdicts);
+        assert_int_equal(search_last_step(search)->step, request.sampling.step);
+        if (setting->replay && journal->len == setting->steps) {
+            search_free(search);
+            search = search_create(&scenario, 3, seed, setting->threads);
+            for (guint i = 0; i < journal->len; i++) {
+                assert_true(search_request(search, &request));
+                search_complete(search, g_ptr_array_index(journal, i));
+            }
+        }
+    }
+    search_result(search, &outcome.result);
+    box_init(&outcome.box, setting->variables);
+    box_assign(&outcome.box, outcome.result.box);
+    outcome.result.box = NULL;
+    assert_true(box_inside(&outcome.box, &scenario.design_space));
+    search_free(search);
+    g_ptr_array_free(journal, TRUE);
+    box_fini(&scenario.design_space);
+    return outcome;
+}
+
+// The share of good designs in a box, from fresh points that the search has not seen.
+static double true_purity(const struct setting *setting, const struct box *box)
+{
+    struct search_request request = {
+        .sampling = {.seed = 987654321, .samples = 50000, .method = SCENARIO_SAMPLING_UNIFORM},
+        .detail = VERDICT_DETAIL_SHARE,
+        .box = box,
+    };
+    struct verdict *verdicts = g_new(struct verdict, request.sampling.samples);
+    evaluate(setting, &request, verdicts);
+    const double good = verdict_good_count(verdicts, request.sampling.samples);
+    g_free(verdicts);
+    return good / request.sampling.samples;
+}
+
+static double volume(const struct box *box)
+{
+    double volume = 1;
+    for (uint32_t v = 0; v < box->count; v++)
+        volume *= box->upper[v] - box->lower[v];
+    return volume;
+}
+
+// A certified box of at least `least` of the exact volume, over several seeds.
+static void assert_finds(const struct setting *setting, double exact, double least, double most)
+{
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        struct outcome_of_search outcome = run(setting, seed);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        assert_true(outcome.result.purity.lower95 >= setting->target);
+        assert_true(outcome.result.purity.estimate > outcome.result.purity.lower95);
+        const double purity = true_purity(setting, &outcome.box);
+        const double ratio = volume(&outcome.box) / exact;
+        if (!(purity >= setting->target && ratio >= least && ratio <= most))
+            fail_msg("seed %d: volume ratio %.4f, purity %.5f", (int)seed, ratio, purity);
+        box_fini(&outcome.box);
+    }
+}
+
+// In two dimensions a box of purity 0.99 is hardly larger than the exact one.
+static void finds_the_square_in_the_circle(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    assert_finds(&setting, 1, 0.95, 1.15);
+}
+
+// Bounds that touch each other and two constraints; the search may not stop at the first corner.
+static void finds_the_crash_corridors(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = two_section_crash;
+    setting.lower = 1e5;
+    setting.upper = 1e6;
+    assert_finds(&setting, crash_area, 0.95, 1.2);
+}
+
+// A box in a tilted ellipse touches it with two corners only.
+static void finds_the_box_in_the_ellipse(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = ellipse;
+    setting.lower = -3;
+    setting.upper = 3;
+    assert_finds(&setting, 2, 0.95, 1.2);
+}
+
+// Where only one corner is bad, one side moves in and all others stay on the design space.
+static void removes_a_corner_with_one_side(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = corner;
+    setting.lower = 0;
+    setting.variables = 2;
+    assert_finds(&setting, 0.7, 0.97, 1.06);
+}
+
+// In ten dimensions a box of purity 0.99 is several times the exact one, whose corners alone touch
+// the sphere.
+static void finds_a_large_box_in_ten_dimensions(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 10;
+    assert_finds(&setting, 1, 5, 40);
+}
+
+// A fixed variable keeps its value and must not make every volume zero; one free variable is
+// enough.
+static void searches_one_variable_among_fixed_ones(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 3;
+    setting.fixed = 2;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    const double half = sqrt(0.75 - 2 * 0.0625);
+    assert_true(fabs(outcome.box.upper[2] - half) < 0.03);
+    assert_true(fabs(outcome.box.lower[2] + half) < 0.03);
+    assert_true(outcome.box.lower[0] == 0.25 && outcome.box.upper[0] == 0.25);
+    assert_true(fabs(outcome.result.log_volume - log(half)) < 0.05);
+    box_fini(&outcome.box);
+}
+
+// Nothing to search for: the whole design space, after one step and its certificate.
+static void takes_the_whole_space_when_all_is_good(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = everywhere_good;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_int_equal(outcome.result.steps, 2);
+    assert_true(outcome.result.log_volume == 0);
+    box_fini(&outcome.box);
+}
+
+// No good design is a result: it says so, names the constraint in the way, and shows the design
+// that violates least.
+static void says_when_there_is_no_good_design(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = nowhere_good;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_NO_GOOD_DESIGN);
+    assert_int_equal(outcome.result.blocking_constraint, 1);
+    assert_true(outcome.result.purity.samples == 0);
+    assert_true(outcome.result.log_volume == -INFINITY);
+    for (uint32_t v = 0; v < 2; v++)
+        assert_true(fabs(outcome.box.lower[v]) < 0.2);
+    box_fini(&outcome.box);
+}
+
+// Nobody draws a good sample of so small a region by chance: the violation must lead there.
+static void finds_a_tiny_region_by_its_violation(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = tiny_cube;
+    setting.variables = 10;
+    struct outcome_of_search outcome = run(&setting, 2);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    for (uint32_t v = 0; v < 10; v++)
+        assert_true(outcome.box.upper[v] - outcome.box.lower[v] > 0.009);
+    box_fini(&outcome.box);
+}
+
+// Of two good regions the larger one is to be found, and a NaN is a bad sample that is counted.
+static void chooses_the_larger_of_two_regions(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = two_regions;
+    setting.variables = 3;
+    setting.lower = -2;
+    setting.upper = 2;
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        struct outcome_of_search outcome = run(&setting, seed);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        assert_true(outcome.result.non_finite > 0);
+        for (uint32_t v = 0; v < 3; v++)
+            assert_true(outcome.box.lower[v] > 0);
+        box_fini(&outcome.box);
+    }
+}
+
+// 100 samples without a bad one prove 0.97 and no more: a target above that is missed, openly.
+static void admits_that_a_certificate_is_too_small(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.certificate = 100;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_PURITY_MISSED);
+    assert_true(outcome.result.purity.lower95 < 0.99);
+    assert_int_equal(outcome.result.purity.samples, 100);
+    box_fini(&outcome.box);
+}
+
+// After few steps the box is not pure enough yet. The search goes back to consolidating, and if the
+// looks are used up it says so: a certified box is always as pure as claimed.
+static void short_searches_never_claim_too_much(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 6;
+    setting.samples = 50;
+    setting.steps = 8;
+    uint32_t looked_again = 0;
+    for (uint64_t seed = 1; seed <= 10; seed++) {
+        struct outcome_of_search outcome = run(&setting, seed);
+        looked_again += outcome.steps[SEARCH_PHASE_CERTIFY] > 1;
+        if (outcome.result.status == SEARCH_STATUS_DONE)
+            assert_true(true_purity(&setting, &outcome.box) >= 0.988);
+        else
+            assert_int_equal(outcome.result.status, SEARCH_STATUS_PURITY_MISSED);
+        box_fini(&outcome.box);
+    }
+    assert_true(looked_again > 0);
+}
+
+// The same verdicts give the same bits whatever number of threads trims, and another seed others.
+static void threads_do_not_change_the_result(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 7;
+    struct outcome_of_search first = run(&setting, 5);
+    static const int threads[] = {4, 16};
+    for (int i = 0; i < 2; i++) {
+        setting.threads = threads[i];
+        struct outcome_of_search other = run(&setting, 5);
+        assert_true(box_equal(&first.box, &other.box));
+        assert_true(digest_equal(&first.result.digest, &other.result.digest));
+        box_fini(&other.box);
+    }
+    struct outcome_of_search other = run(&setting, 6);
+    assert_false(digest_equal(&first.result.digest, &other.result.digest));
+    box_fini(&other.box);
+    box_fini(&first.box);
+}
+
+// A search that is killed is resumed by giving it the journalled verdicts again.
+static void replayed_search_ends_with_the_same_digest(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = two_section_crash;
+    setting.lower = 1e5;
+    setting.upper = 1e6;
+    struct outcome_of_search whole = run(&setting, 9);
+    setting.replay = true;
+    struct outcome_of_search resumed = run(&setting, 9);
+    assert_true(digest_equal(&whole.result.digest, &resumed.result.digest));
+    box_fini(&whole.box);
+    box_fini(&resumed.box);
+}
+
+// A request stays the same until it is answered, and the phases come in their order.
+static void asking_twice_changes_nothing(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.steps = 10;
+    struct scenario scenario = scenario_of(&setting);
+    struct search *search = search_create(&scenario, 0, 1, 1);
+    struct search_request request;
+    enum search_phase phase = SEARCH_PHASE_SEEK;
+    struct verdict *verdicts = g_new(struct verdict, 10000);
+    while (search_request(search, &request)) {
+        struct search_request again;
+        assert_true(search_request(search, &again));
+        assert_memory_equal(&request, &again, sizeof request);
+        assert_true(request.phase >= phase || phase == SEARCH_PHASE_CERTIFY);
+        phase = request.phase;
+        struct search_progress progress;
+        search_progress(search, &progress);
+        assert_int_equal(progress.phase, phase);
+        assert_true(progress.step_count > progress.step);
+        evaluate(&setting, &request, verdicts);
+        search_complete(search, verdicts);
+    }
+    struct search_progress progress;
+    search_progress(search, &progress);
+    assert_int_equal(progress.phase, SEARCH_PHASE_DONE);
+    assert_int_equal(progress.step, progress.step_count);
+    g_free(verdicts);
+    search_free(search);
+    box_fini(&scenario.design_space);
+}
+
+// Every phase and status has the name that files and messages use.
+static void phases_and_statuses_have_names(void **state)
+{
+    (void)state;
+    assert_string_equal(search_phase_name(SEARCH_PHASE_CONSOLIDATE), "consolidate");
+    assert_string_equal(search_status_name(SEARCH_STATUS_NO_GOOD_DESIGN), "no_good_design");
+    for (int i = 0; i <= SEARCH_PHASE_DONE; i++)
+        assert_non_null(search_phase_name((enum search_phase)i));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_the_square_in_the_circle),
+        cmocka_unit_test(finds_the_crash_corridors),
+        cmocka_unit_test(finds_the_box_in_the_ellipse),
+        cmocka_unit_test(removes_a_corner_with_one_side),
+        cmocka_unit_test(finds_a_large_box_in_ten_dimensions),
+        cmocka_unit_test(searches_one_variable_among_fixed_ones),
+        cmocka_unit_test(takes_the_whole_space_when_all_is_good),
+        cmocka_unit_test(says_when_there_is_no_good_design),
+        cmocka_unit_test(finds_a_tiny_region_by_its_violation),
+        cmocka_unit_test(chooses_the_larger_of_two_regions),
+        cmocka_unit_test(admits_that_a_certificate_is_too_small),
+        cmocka_unit_test(short_searches_never_claim_too_much),
+        cmocka_unit_test(threads_do_not_change_the_result),
+        cmocka_unit_test(replayed_search_ends_with_the_same_digest),
+        cmocka_unit_test(asking_twice_changes_nothing),
+        cmocka_unit_test(phases_and_statuses_have_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
