@@ -24,7 +24,8 @@ static bool terminal(void)
 }
 
 // Prints one line, lifting the progress line out of its way and putting it back below.
-static void line(const char *label, const char *format, va_list arguments)
+static void __attribute__((format(printf, 2, 0)))
+line(const char *label, const char *format, va_list arguments)
 {
     if (log_progress_text[0] != '\0')
         fputs("\r\033[K", stderr);
