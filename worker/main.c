@@ -173,6 +173,7 @@ static enum status open_wire(struct wire **wire, const struct options *options, 
     do {
         if (getentropy(sender, sizeof *sender) != 0)
             return error_set(error, STATUS_FAILED, "the kernel gives no random numbers");
+        *sender >>= 1; // positive as the signed number that travels
     } while (*sender == 0);
     return wire_open(wire, &settings, *sender, error);
 }
