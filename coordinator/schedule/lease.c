@@ -51,35 +51,55 @@ static struct lease *lease_slot(struct backlog_batch *batch)
     return slot;
 }
 
+// The moments of a lease.
+struct lease_plan {
+    int64_t overdue_ns; // its outcome should have come
+    int64_t late_ns;    // a copy may be made
+    int64_t end_ns;
+};
+
 // How long after its start the outcome is overdue, if all goes as it did so far: the work before it
 // and its own at the worker's mean, four deviations of that, and the delay's bound. Half of the
 // work is allowed on top even where measurements never differed: a machine gets another job now and
 // then.
-static int64_t lease_overdue_ns(const struct lease *lease)
+static int64_t lease_bound_ns(const struct roster_worker *worker, double work_ns)
 {
-    const struct roster_worker *worker = lease->worker;
-    double work_ns = (double)lease->ahead_ns + (double)lease->expected_ns;
     double spread = 1;
     if (worker->service.measured)
         spread = fmax(4 * worker->service.deviation / worker->service.mean, 0.5);
     return ns_of(work_ns * (1 + spread) + estimate_bound(&worker->delay));
 }
 
-// Sets when the lease gets late and when it ends.
-static void lease_schedule(struct lease_book *book, struct lease *lease)
+static struct lease_plan lease_plan(const struct lease_book *book, const struct roster *roster,
+                                    const struct lease *lease)
 {
     const struct schedule_settings *settings = book->settings;
+    const struct roster_worker *worker = lease->worker;
+    double work_ns =
+        ((double)lease->ahead_ns + (double)lease->cost_ns) * roster_service(roster, worker);
+    int64_t bound_ns = lease_bound_ns(worker, work_ns);
     int64_t least_ns = settings->lease_min_ns;
-    if (!lease->worker->delay.measured)
+    if (!worker->delay.measured) {
         least_ns = ns_max(least_ns, LEASE_FIRST_NS);
-    int64_t overdue_ns = lease_overdue_ns(lease);
+        bound_ns = ns_max(bound_ns, least_ns / 4);
+    }
     uint32_t backoff = lease->attempt < LEASE_BACKOFF_MAX ? lease->attempt : LEASE_BACKOFF_MAX;
-    int64_t duration_ns = ns_max(least_ns, 2 * overdue_ns) << backoff;
+    int64_t duration_ns = ns_max(least_ns, 2 * bound_ns) << backoff;
     // Work that is known to take longer than the greatest lease is not cut off.
-    int64_t most_ns = ns_max(settings->lease_max_ns, 2 * (lease->ahead_ns + lease->expected_ns));
-    lease->end_ns = lease->start_ns + ns_min(duration_ns, most_ns);
-    int64_t late_ns = lease->start_ns + ns_max(least_ns / 4, overdue_ns);
-    heap_put(&book->timers, &lease->timer, ns_min(late_ns, lease->end_ns));
+    int64_t most_ns = ns_max(settings->lease_max_ns, ns_of(2 * work_ns));
+    return (struct lease_plan){
+        .overdue_ns = lease->start_ns + bound_ns,
+        .late_ns = lease->start_ns + ns_max(least_ns / 4, bound_ns),
+        .end_ns = lease->start_ns + ns_min(duration_ns, most_ns),
+    };
+}
+
+// Sets the timer to what comes next.
+static void lease_set_timer(struct lease_book *book, struct lease *lease,
+                            const struct lease_plan *plan)
+{
+    heap_put(&book->timers, &lease->timer,
+             lease->late ? plan->end_ns : ns_min(plan->late_ns, plan->end_ns));
 }
 
 struct lease *lease_start(struct lease_book *book, struct roster *roster,
@@ -87,7 +107,6 @@ struct lease *lease_start(struct lease_book *book, struct roster *roster,
 {
     assert(lease_active(batch) < LEASE_ACTIVE_MAX);
     struct lease *lease = lease_slot(batch);
-    double cost_ns = batch->step->sample_ns * batch->identity.count;
     *lease = (struct lease){
         .worker = worker,
         .batch = batch,
@@ -95,12 +114,13 @@ struct lease *lease_start(struct lease_book *book, struct roster *roster,
         .attempt = batch->identity.attempt++,
         .order = ++book->started,
         .start_ns = now_ns,
-        .expected_ns = ns_of(cost_ns * roster_service(roster, worker)),
+        .cost_ns = ns_of(batch->step->sample_ns * batch->identity.count),
         .ahead_ns = worker->load_ns,
         .timer.tie = book->started,
     };
     batch->holder = worker->id;
-    lease_schedule(book, lease);
+    struct lease_plan plan = lease_plan(book, roster, lease);
+    lease_set_timer(book, lease, &plan);
     roster_hold(roster, worker, lease);
     return lease;
 }
@@ -113,18 +133,29 @@ void lease_end(struct lease_book *book, struct roster *roster, struct lease *lea
     lease->worker = NULL;
 }
 
-struct lease *lease_due(struct lease_book *book, int64_t now_ns, bool *ended)
+struct lease *lease_due(struct lease_book *book, const struct roster *roster, int64_t now_ns,
+                        bool *ended)
 {
-    struct heap_entry *first = heap_first(&book->timers);
-    if (first == NULL || first->key > now_ns)
-        return NULL;
-    struct lease *lease = (struct lease *)((char *)first - offsetof(struct lease, timer));
-    *ended = lease->late || lease->end_ns <= now_ns;
-    if (!*ended) {
-        lease->late = true;
-        heap_put(&book->timers, &lease->timer, lease->end_ns);
+    struct heap_entry *first;
+    while ((first = heap_first(&book->timers)) != NULL && first->key <= now_ns) {
+        struct lease *lease = (struct lease *)((char *)first - offsetof(struct lease, timer));
+        struct lease_plan plan = lease_plan(book, roster, lease);
+        *ended = plan.end_ns <= now_ns;
+        if (*ended)
+            return lease;
+        bool newly_late = !lease->late && plan.late_ns <= now_ns;
+        lease->late |= newly_late;
+        lease_set_timer(book, lease, &plan);
+        if (newly_late)
+            return lease;
     }
-    return lease;
+    return NULL;
+}
+
+bool lease_overdue(const struct lease_book *book, const struct roster *roster,
+                   const struct lease *lease, int64_t now_ns)
+{
+    return lease_plan(book, roster, lease).overdue_ns <= now_ns;
 }
 
 int64_t lease_wake_ns(const struct lease_book *book)
@@ -147,12 +178,16 @@ void lease_measure(struct lease *lease, struct roster *roster, struct roster_wor
                    int64_t service_ns, int64_t now_ns)
 {
     assert(lease->worker_id == worker->id);
-    const struct backlog_batch *batch = lease->batch;
     int64_t turnaround_ns = now_ns - lease->start_ns;
-    int64_t delay_ns = turnaround_ns - lease->ahead_ns - lease->expected_ns;
+    double work_ns =
+        ((double)lease->ahead_ns + (double)lease->cost_ns) * roster_service(roster, worker);
     // An evaluation cannot have taken longer than the lease is old, whatever the message says.
-    roster_measure(roster, worker, batch->step->sample_ns * batch->identity.count,
-                   (double)ns_min(service_ns, turnaround_ns), (double)ns_max(delay_ns, 0));
+    double service_known_ns = (double)ns_min(service_ns, turnaround_ns);
+    // Of a worker that was not measured before only its own evaluation is known.
+    if (!worker->service.measured)
+        work_ns = service_known_ns;
+    roster_measure(roster, worker, (double)lease->cost_ns, service_known_ns,
+                   fmax((double)turnaround_ns - work_ns, 0));
     lease->worker_id = 0;
 }
 

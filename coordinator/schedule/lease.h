@@ -9,6 +9,9 @@
 // The end is twice as far from the start as late is, and not below lease_min_ns; late is not below
 // a quarter of that. Each further attempt has twice the time of the one before.
 //
+// All of this is worked out anew when the timer rings: what has been measured meanwhile counts, so
+// that a model that turns out slow does not end the leases that were given before that was known.
+//
 // A lease lives in its batch. When it has ended it stays there for a while, so that an outcome that
 // comes after all still tells how long that worker takes: that is how leases that are too short
 // grow.
@@ -23,9 +26,10 @@ struct backlog_batch;
 enum {
     LEASE_ACTIVE_MAX = 2,  // of a batch at once: the holder's and one copy
     LEASE_KEPT_MAX = 4,    // of a batch, active and ended
-    LEASE_PASSED_MAX = 3,  // later leases of the same worker answered: this one is lost. Workers
-                           // work in order, networks reorder neighbours: TCP's three duplicate
-                           // acknowledgements (RFC 5681, section 3.2)
+    LEASE_PASSED_MAX = 3,  // later leases of the same worker answered: this one is lost if it is
+                           // overdue too. Workers work in order, networks reorder neighbours: TCP's
+                           // three duplicate acknowledgements (RFC 5681, section 3.2). A batch that
+                           // waits for its box is overtaken without being lost: hence overdue
     LEASE_BACKOFF_MAX = 3, // doublings of a lease from attempt to attempt: an estimate far too
                            // short grows eightfold, and under heavy loss nobody waits for minutes
 };
@@ -38,8 +42,9 @@ struct lease {
     uint32_t passed; // outcomes of later leases of the same worker
     uint64_t order;  // among all leases
     int64_t start_ns;
-    int64_t expected_ns; // its own work
-    int64_t ahead_ns;    // work the worker had before it
+    int64_t cost_ns;    // its work, as one core is thought to do it
+    int64_t ahead_ns;   // likewise: work the worker had before it
+    int64_t overdue_ns; // when its outcome is overdue, if all goes as it did so far
     int64_t end_ns;
     bool late;
     struct heap_entry timer; // in the book: when it gets late, then when it ends
@@ -63,9 +68,14 @@ struct lease *lease_start(struct lease_book *book, struct roster *roster,
 // Ends an active lease, for whatever reason.
 void lease_end(struct lease_book *book, struct roster *roster, struct lease *lease);
 
-// A lease that has become late or reached its end (then lease->late was set already), or NULL.
-// Late ones are marked and wait for their end.
-struct lease *lease_due(struct lease_book *book, int64_t now_ns, bool *ended);
+// A lease that has reached its end, which is for the caller to end, or become late, which is marked
+// and goes on; NULL when there is none.
+struct lease *lease_due(struct lease_book *book, const struct roster *roster, int64_t now_ns,
+                        bool *ended);
+
+// Whether the outcome of an active lease is overdue, if all goes as it did so far.
+bool lease_overdue(const struct lease_book *book, const struct roster *roster,
+                   const struct lease *lease, int64_t now_ns);
 
 // When lease_due() may find one; INT64_MAX when there is none.
 int64_t lease_wake_ns(const struct lease_book *book);

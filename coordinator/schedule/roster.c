@@ -16,8 +16,8 @@ enum {
 // is exact whatever comes and goes.
 #define ROSTER_RATE_CORE 1e6
 
-// Stalled workers rank behind all others: a load is never so large.
-#define ROSTER_STALLED_LOAD (INT64_C(1) << 61)
+// What is more than this ranks as this [ns]; stalled workers rank behind it.
+#define ROSTER_LOAD_MAX (INT64_C(1) << 60)
 
 static const bool roster_moves[ROSTER_STATE_COUNT][ROSTER_STATE_COUNT] = {
     [ROSTER_WORKING] = {[ROSTER_SILENT] = true, [ROSTER_REFUSED] = true, [ROSTER_LEFT] = true},
@@ -72,27 +72,29 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
     return (roster->core.measured ? roster->core.mean : 1) / worker->threads;
 }
 
-// Batches of other coordinators wait at the worker too.
-static int64_t worker_foreign_ns(const struct roster_worker *worker)
+// How long it will be busy with what it has: our batches, and other coordinators' as if they were
+// like ours.
+static double worker_load_ns(const struct roster *roster, const struct roster_worker *worker)
 {
+    double load_ns = (double)worker->load_ns * roster_service(roster, worker);
     if (worker->queue <= worker->lease_count)
-        return 0;
-    int64_t batch_ns = worker->lease_count > 0 ? worker->load_ns / worker->lease_count : 1;
-    return batch_ns * (worker->queue - worker->lease_count);
+        return load_ns;
+    double batch_ns = worker->lease_count > 0 ? load_ns / worker->lease_count : 1;
+    return load_ns + batch_ns * (worker->queue - worker->lease_count);
 }
 
 // Two batches hide the round trip: one in work, one waiting. More are needed only where they are
-// short: up to two batches' target time.
+// known to be short: up to two batches' target time.
 static bool worker_room(const struct roster *roster, const struct roster_worker *worker)
 {
-    if (worker->state != ROSTER_WORKING)
+    if (worker->state != ROSTER_WORKING || worker->lease_count >= roster->settings->window_max)
         return false;
     if (roster_stalled(worker))
         return worker->lease_count == 0;
     if (worker->lease_count < 2)
-        return worker->lease_count < roster->settings->window_max;
-    return worker->lease_count < roster->settings->window_max &&
-           worker->load_ns < 2 * roster->settings->batch_target_ns;
+        return true;
+    return worker->service.measured && (double)worker->load_ns * worker->service.mean <
+                                           2 * (double)roster->settings->batch_target_ns;
 }
 
 // Brings the worker's place and its part of the total rate up to date; after every change.
@@ -108,8 +110,9 @@ static void roster_rank(struct roster *roster, struct roster_worker *worker)
         heap_remove(&roster->room, &worker->rank);
         return;
     }
-    int64_t load = worker->load_ns + worker_foreign_ns(worker);
-    heap_put(&roster->room, &worker->rank, roster_stalled(worker) ? ROSTER_STALLED_LOAD : load);
+    double load_ns = fmin(worker_load_ns(roster, worker), (double)ROSTER_LOAD_MAX);
+    heap_put(&roster->room, &worker->rank,
+             roster_stalled(worker) ? ROSTER_LOAD_MAX + 1 : (int64_t)load_ns);
 }
 
 static void roster_remove(struct roster *roster, struct roster_worker *worker)
@@ -191,7 +194,7 @@ void roster_hold(struct roster *roster, struct roster_worker *worker, struct lea
 {
     assert(worker->lease_count < roster->settings->window_max);
     worker->leases[worker->lease_count++] = lease;
-    worker->load_ns += lease->expected_ns;
+    worker->load_ns += lease->cost_ns;
     roster_rank(roster, worker);
 }
 
@@ -203,7 +206,7 @@ void roster_drop(struct roster *roster, struct roster_worker *worker, struct lea
         assert(index < worker->lease_count);
     }
     worker->leases[index] = worker->leases[--worker->lease_count];
-    worker->load_ns -= lease->expected_ns;
+    worker->load_ns -= lease->cost_ns;
     assert(worker->lease_count > 0 || worker->load_ns == 0);
     roster_rank(roster, worker);
 }

@@ -60,7 +60,7 @@ struct roster_worker {
     // What it holds.
     struct lease **leases; // (lease_count) of at most window_max
     uint32_t lease_count;
-    int64_t load_ns; // work expected in them
+    int64_t load_ns; // the work in them, as one core is thought to do it
 
     // Its places in the roster.
     uint64_t rate; // its part of rate_total; 0 when it has none

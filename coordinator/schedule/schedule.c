@@ -279,7 +279,8 @@ static void worker_passed(struct schedule *schedule, struct roster_worker *worke
 {
     for (uint32_t i = worker->lease_count; i-- > 0;) {
         struct lease *lease = worker->leases[i];
-        if (lease->order < order && ++lease->passed >= LEASE_PASSED_MAX)
+        if (lease->order < order && ++lease->passed >= LEASE_PASSED_MAX &&
+            lease_overdue(&schedule->book, &schedule->roster, lease, schedule->now_ns))
             lease_lapse(schedule, lease);
     }
 }
@@ -354,7 +355,8 @@ static void expire_leases(struct schedule *schedule)
 {
     bool ended;
     struct lease *lease;
-    while ((lease = lease_due(&schedule->book, schedule->now_ns, &ended)) != NULL) {
+    while ((lease = lease_due(&schedule->book, &schedule->roster, schedule->now_ns, &ended)) !=
+           NULL) {
         if (ended)
             lease_lapse(schedule, lease);
         else if (lease_active(lease->batch) < LEASE_ACTIVE_MAX)
