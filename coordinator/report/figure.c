@@ -140,20 +140,33 @@ static void put_data(GString *script, const struct figure *figure, const struct 
 
 // ---- words ----
 
-// A gnuplot string that is only ever text: single quotes switch off escapes, backquotes and macros,
-// and a quote inside is doubled. Names may come from anywhere.
+// A gnuplot string that is only ever text. Names may come from anywhere, so every ASCII character
+// that could mean something to gnuplot (quotes, backquotes, backslashes, '@', '$', ...) is written
+// as its octal code. Doubling quotes in a single-quoted string would not do: gnuplot 5.4 takes a
+// string that begins with a quote for an empty one.
 static char *quoted(const char *text)
 {
     char *plain = name_plain(text);
-    GString *string = g_string_new("'");
+    GString *string = g_string_new("\"");
     for (const char *c = plain; *c != '\0'; c++) {
-        if (*c == '\'')
-            g_string_append_c(string, '\'');
-        g_string_append_c(string, *c);
+        if ((*c & 0x80) != 0 || g_ascii_isalnum(*c) || strchr(" .,:;-_%()+=", *c) != NULL)
+            g_string_append_c(string, *c);
+        else
+            g_string_append_printf(string, "\\%03o", (unsigned char)*c);
     }
-    g_string_append_c(string, '\'');
+    g_string_append_c(string, '"');
     g_free(plain);
     return g_string_free(string, FALSE);
+}
+
+// A spring's name, letters, digits, '-' and '_' (scenario_read.h), for text in which gnuplot takes
+// '_' as the beginning of an index.
+static char *escaped(const char *identifier)
+{
+    char **parts = g_strsplit(identifier, "_", -1);
+    char *text = g_strjoinv("\\_", parts);
+    g_strfreev(parts);
+    return text;
 }
 
 static char *title_text(const struct figure *figure)
@@ -177,22 +190,15 @@ static void put_purity(GString *text, const struct run_search *search)
                                floor(search->record.purity_lower95 * 1e4) * 1e-4);
 }
 
-static char *subtitle_text(const struct figure *figure)
+// What the legend says of one corridor.
+static char *legend_text(const struct run_search *search, const char *label)
 {
-    GString *text = g_string_new(NULL);
-    if (figure->other == NULL) {
-        char designs[NUMBER_SIZE];
-        g_string_append_printf(text, "response: %s   ·   ",
-                               scenario_response_name(figure->search->scenario.response));
-        put_purity(text, figure->search);
-        g_string_append_printf(text, "   ·   %s designs simulated",
-                               number_count(figure->search->evaluations, designs));
-    } else {
-        g_string_append_printf(text, "%s: ", figure->search_label);
-        put_purity(text, figure->search);
-        g_string_append_printf(text, "   ·   %s: ", figure->other_label);
-        put_purity(text, figure->other);
-    }
+    char designs[NUMBER_SIZE];
+    GString *text = g_string_new(label);
+    g_string_append(text, "   ·   ");
+    put_purity(text, search);
+    g_string_append_printf(text, "   ·   %s designs simulated",
+                           number_count(search->evaluations, designs));
     return g_string_free(text, FALSE);
 }
 
@@ -201,12 +207,16 @@ static char *subtitle_text(const struct figure *figure)
 // All lengths in pixels of the SVG, from the edge of the page.
 enum {
     PAGE_WIDTH = 960,
+    PAGE_EDGE = 24, // where title and legend begin
     PAGE_LEFT = 76,
     PAGE_RIGHT = 22,
-    PAGE_TOP = 124, // title, subtitle, legend and the title of the first row
+    PAGE_TOP = 84,    // title and the title of the first row of panels
+    LEGEND_LINE = 26, // added to the top for each corridor
+    SWATCH_WIDTH = 26,
+    SWATCH_HEIGHT = 12,
     PAGE_BOTTOM = 56,
     COLUMN_GAP = 90, // the right panels' axis labels
-    ROW_GAP = 78,    // axis label and title of the next row
+    ROW_GAP = 90,    // axis label and title of the next row
 };
 
 // Many springs make a long page; flatter panels keep it readable as a whole.
@@ -215,9 +225,15 @@ static int panel_height(uint32_t rows)
     return rows <= 1 ? 270 : rows <= 3 ? 220 : rows <= 8 ? 170 : 140;
 }
 
-static int page_height(uint32_t rows)
+static int page_top(const struct figure *figure)
 {
-    return PAGE_TOP + PAGE_BOTTOM + (int)rows * panel_height(rows) + ((int)rows - 1) * ROW_GAP;
+    return PAGE_TOP + LEGEND_LINE * (figure->other != NULL ? 2 : 1);
+}
+
+static int page_height(const struct figure *figure, uint32_t rows)
+{
+    return page_top(figure) + PAGE_BOTTOM + (int)rows * panel_height(rows) +
+           ((int)rows - 1) * ROW_GAP;
 }
 
 static void put_terminal(GString *script, const struct figure *figure, uint32_t rows)
@@ -236,130 +252,158 @@ static void put_terminal(GString *script, const struct figure *figure, uint32_t 
         "width = %d.0 # [pixels]\n"
         "height = %d.0\n"
         "if (format eq 'png') {\n"
-        "    set terminal pngcairo size 2 * width, 2 * height font 'sans-serif,12' \\\n"
+        "    points = 9.0\n"
+        "    set terminal pngcairo size 2 * width, 2 * height font 'sans-serif,9' \\\n"
         "        fontscale 2 linewidth 2 pointscale 2\n"
         "} else { if (format eq 'pdf') {\n"
+        "    points = 9.0\n"
         "    set terminal pdfcairo size width / 96, height / 96 font 'sans-serif,9' \\\n"
         "        fontscale 1 linewidth 1.5 pointscale 0.75\n"
         "} else {\n"
-        "    set terminal svg size width, height font 'sans-serif,12' background '#ffffff'\n"
+        "    points = 12.0 # SVG's are pixels\n"
+        "    set terminal svg size width, height name 'corridors' \\\n"
+        "        font 'sans-serif,12' background '#ffffff'\n"
         "}}\n"
-        "set output output\n\n",
-        stem, PAGE_WIDTH, page_height(rows));
+        "heading = sprintf('sans-serif,%%.1f', 1.4 * points)\n"
+        "if (output ne '') set output output\n\n",
+        stem, PAGE_WIDTH, page_height(figure, rows));
     g_free(stem);
 }
 
 // Okabe and Ito's colours stay apart for colour-blind readers: blue, and vermillion over it.
 static void put_style(GString *script)
 {
-    g_string_append(script, "space = '#ececec'    # fill of the design space\n"
-                            "outline = '#9a9a9a'\n"
+    g_string_append(script, "space = '#efefef'    # fill of the design space\n"
+                            "outline = '#8c8c8c'\n"
                             "first = '#0072b2'\n"
+                            "first_fill = '#a6cee6'\n"
                             "second = '#d55e00'\n"
+                            "second_fill = '#aad55e00' # seen through\n"
                             "set border 3 lc rgb '#404040'\n"
                             "set tics nomirror out scale 0.6\n"
-                            "set grid lc rgb '#dddddd' lw 0.6\n"
-                            "set grid back\n"
-                            "set xtics autofreq\n"
-                            "set style fill solid 1 noborder\n\n");
+                            "set format '%h'\n"
+                            "set grid front lt 1 lc rgb '#e6000000' lw 0.8\n"
+                            "set autoscale fix\n"
+                            "set offsets 0, 0, graph 0.05, 0\n"
+                            "set style fill solid 1 noborder\n"
+                            "unset key\n\n");
 }
 
-static void put_layout(GString *script, uint32_t rows)
+static void put_layout(GString *script, const struct figure *figure, uint32_t rows)
 {
-    double height = page_height(rows);
+    double height = page_height(figure, rows);
     g_string_append_printf(script,
                            "set multiplot layout %" PRIu32 ",2 \\\n"
                            "    margins screen %.5f, %.5f, %.5f, %.5f \\\n"
                            "    spacing screen %.5f, %.5f\n",
                            rows, (double)PAGE_LEFT / PAGE_WIDTH,
                            1 - (double)PAGE_RIGHT / PAGE_WIDTH, PAGE_BOTTOM / height,
-                           1 - PAGE_TOP / height, (double)COLUMN_GAP / PAGE_WIDTH,
+                           1 - page_top(figure) / height, (double)COLUMN_GAP / PAGE_WIDTH,
                            ROW_GAP / height);
 }
 
-// Title, subtitle and legend stand once on the page: they belong to the first panel.
+// A text at a place in pixels from the page's upper left corner.
+static void put_text(GString *script, const char *text, double x, double y, double height,
+                     const char *style)
+{
+    char *string = quoted(text);
+    g_string_append_printf(script, "set label %s at screen %.5f, screen %.5f noenhanced %s\n",
+                           string, x / PAGE_WIDTH, 1 - y / height, style);
+    g_free(string);
+}
+
+// A sample of a band, its middle `y` pixels below the top.
+static void put_swatch(GString *script, double x, double y, double height, const char *fill,
+                       const char *line)
+{
+    g_string_append_printf(script,
+                           "set object rectangle front from screen %.5f, screen %.5f "
+                           "to screen %.5f, screen %.5f fs solid border lc rgb %s fc rgb %s\n",
+                           x / PAGE_WIDTH, 1 - (y + SWATCH_HEIGHT / 2.0) / height,
+                           (x + SWATCH_WIDTH) / PAGE_WIDTH, 1 - (y - SWATCH_HEIGHT / 2.0) / height,
+                           line, fill);
+}
+
+static void put_legend_line(GString *script, const struct run_search *search, const char *label,
+                            const char *colour, double y, double height)
+{
+    char fill[32], *text = legend_text(search, label);
+    g_snprintf(fill, sizeof fill, "%s_fill", colour);
+    put_swatch(script, PAGE_EDGE, y, height, fill, colour);
+    put_text(script, text, PAGE_EDGE + SWATCH_WIDTH + 10, y, height, "tc rgb '#404040'");
+    g_free(text);
+}
+
+// Title and legend stand once on the page: they belong to the first panel. gnuplot's own legend
+// would break its lines and run into the panels when names are long.
 static void put_heading(GString *script, const struct figure *figure, uint32_t rows)
 {
-    double height = page_height(rows), left = 24.0 / PAGE_WIDTH;
-    char *text = title_text(figure), *title = quoted(text);
-    g_string_append_printf(script,
-                           "set label 1 %s at screen %.5f, screen %.5f left noenhanced "
-                           "font ':Bold,15'\n",
-                           title, left, 1 - 26 / height);
+    double height = page_height(figure, rows), right = PAGE_WIDTH - PAGE_RIGHT;
+    char *title = title_text(figure);
+    put_text(script, title, PAGE_EDGE, 28, height, "font heading");
     g_free(title);
-    g_free(text);
-    text = subtitle_text(figure);
-    title = quoted(text);
-    g_string_append_printf(script,
-                           "set label 2 %s at screen %.5f, screen %.5f left noenhanced "
-                           "textcolor rgb '#404040'\n",
-                           title, left, 1 - 51 / height);
-    g_free(title);
-    g_free(text);
-    g_string_append_printf(script,
-                           "set key at screen %.5f, screen %.5f left top horizontal Left reverse "
-                           "samplen 2 width 1 noenhanced\n",
-                           16.0 / PAGE_WIDTH, 1 - 62 / height);
+    put_legend_line(script, figure->search, figure->search_label, "first", 58, height);
+    if (figure->other != NULL)
+        put_legend_line(script, figure->other, figure->other_label, "second", 58 + LEGEND_LINE,
+                        height);
+    put_text(script, "design space", right, 28, height, "right tc rgb '#404040'");
+    put_swatch(script, right - 84 - SWATCH_WIDTH, 28, height, "space", "outline");
 }
 
 static void put_axes(GString *script, const struct figure *figure, const struct panel *panel)
 {
     const char *direction = scenario_direction_name(panel->direction);
-    char *text = g_strdup_printf("%s, %s", panel->spring_name,
-                                 panel->direction == SCENARIO_DIRECTION_X ? "axial" : "lateral");
-    char *title = quoted(text);
-    g_string_append_printf(script, "set title %s noenhanced font ':Bold,12' offset 0, -0.4\n",
-                           title);
+    char *name = escaped(panel->spring_name);
+    g_string_append_printf(script, "set title '{/:Bold %s, %s force}' enhanced offset 0, -0.4\n",
+                           name, panel->direction == SCENARIO_DIRECTION_X ? "axial" : "lateral");
     if (figure->normalise)
         g_string_append_printf(script,
-                               "set xlabel 'deformation, normalised'\n"
+                               "set xlabel 'deformation, normalised' offset 0, 0.5\n"
                                "set ylabel 'F_%s, normalised' enhanced\n",
                                direction);
     else
         g_string_append_printf(script,
-                               "set xlabel 'deformation [m]'\n"
+                               "set xlabel 'deformation [m]' offset 0, 0.5\n"
                                "set ylabel 'F_%s [kN]' enhanced\n",
                                direction);
-    g_free(title);
-    g_free(text);
+    g_free(name);
 }
 
-// A band with its two bounds drawn as lines; points mark where the forces are free.
-static void put_band(GString *script, const char *block, const char *colour, const char *label)
+// One more curve or band of the panel that is being plotted.
+static void put_curve(GString *script, const char *block, const struct panel *panel,
+                      const char *columns, const char *style)
 {
-    char *title = quoted(label);
-    g_string_append_printf(
-        script,
-        ", \\\n"
-        "    %s using 1:2:3 with filledcurves fs transparent solid 0.3 "
-        "lc rgb %s title %s, \\\n"
-        "    %s using 1:2 with linespoints lc rgb %s lw 2 pt 7 ps 0.4 notitle, \\\n"
-        "    %s using 1:3 with linespoints lc rgb %s lw 2 pt 7 ps 0.4 notitle",
-        block, colour, title, block, colour, block, colour);
-    g_free(title);
+    g_string_append_printf(script, ", \\\n    $%s_%" PRIu32 "_%s using %s with %s", block,
+                           panel->row + 1, scenario_direction_name(panel->direction), columns,
+                           style);
 }
 
+// The two bounds of a corridor; points mark the deformations at which the forces are free.
+static void put_bounds(GString *script, const char *block, const struct panel *panel,
+                       const char *colour)
+{
+    char style[64];
+    g_snprintf(style, sizeof style, "linespoints lc rgb %s lw 2 pt 7 ps 0.4", colour);
+    put_curve(script, block, panel, "1:2", style);
+    put_curve(script, block, panel, "1:3", style);
+}
+
+// Bands first, then lines, so that no band dims a line.
 static void put_panel(GString *script, const struct figure *figure, const struct panel *panel)
 {
-    char suffix[32], block[64];
-    g_snprintf(suffix, sizeof suffix, "_%" PRIu32 "_%s", panel->row + 1,
-               scenario_direction_name(panel->direction));
     put_axes(script, figure, panel);
-    g_string_append_printf(
-        script,
-        "plot [*:*] [*<0:0<*] $design%s using 1:2:3 with filledcurves lc rgb space"
-        " title 'design space', \\\n"
-        "    $design%s using 1:2 with lines lc rgb outline notitle, \\\n"
-        "    $design%s using 1:3 with lines lc rgb outline notitle",
-        suffix, suffix, suffix);
-    if (figure->search->box != NULL) {
-        g_snprintf(block, sizeof block, "$corridor%s", suffix);
-        put_band(script, block, "first", figure->search_label);
-    }
-    if (panel_compared(figure, panel)) {
-        g_snprintf(block, sizeof block, "$compared%s", suffix);
-        put_band(script, block, "second", figure->other_label);
-    }
+    g_string_append(script, "plot [*:*] [*<0:0<*] NaN");
+    put_curve(script, "design", panel, "1:2:3", "filledcurves lc rgb space");
+    if (figure->search->box != NULL)
+        put_curve(script, "corridor", panel, "1:2:3", "filledcurves lc rgb first_fill");
+    if (panel_compared(figure, panel))
+        put_curve(script, "compared", panel, "1:2:3", "filledcurves lc rgb second_fill");
+    put_curve(script, "design", panel, "1:2", "lines lc rgb outline");
+    put_curve(script, "design", panel, "1:3", "lines lc rgb outline");
+    if (figure->search->box != NULL)
+        put_bounds(script, "corridor", panel, "first");
+    if (panel_compared(figure, panel))
+        put_bounds(script, "compared", panel, "second");
     g_string_append(script, "\n");
 }
 
@@ -388,12 +432,12 @@ char *figure_script(const struct figure *figure)
         put_data(script, figure, &panels[i]);
     g_string_append_c(script, '\n');
     put_style(script);
-    put_layout(script, rows);
+    put_layout(script, figure, rows);
     put_heading(script, figure, rows);
     for (uint32_t i = 0; i < SCENARIO_DIRECTION_COUNT * rows; i++) {
         put_panel(script, figure, &panels[i]);
         if (i == 0)
-            g_string_append(script, "unset label\nunset key\n");
+            g_string_append(script, "unset label\nunset object\n");
     }
     g_string_append(script, "unset multiplot\nset output\n");
     g_free(panels);

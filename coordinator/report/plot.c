@@ -49,7 +49,8 @@ static char *legend_label(const struct run_search *search, const struct run_sear
                           const char *directory)
 {
     if (other == NULL)
-        return g_strdup("corridor");
+        return g_strdup_printf("corridor, response: %s",
+                               scenario_response_name(search->scenario.response));
     if (strcmp(search->name, other->name) != 0)
         return g_strdup(search->name);
     if (search->scenario.response != other->scenario.response)

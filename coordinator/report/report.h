@@ -26,10 +26,10 @@ struct report_plot {
 // Writes result.json, corridors.csv and history.csv into the run folder; each is whole or absent.
 // Of a search that is not finished they show the box that was sampled last, without a purity.
 //
-// result.json holds more than its name promises in three places: `non_finite` counts the samples
-// whose outcome was not finite, `blocking_constraint` names what stands in the way when no good
-// design was found, and what is not known is null. A seed above 2^63 - 1 is written as text.
-// Errors: STATUS_IO, and those of journal_open().
+// Besides what the design names, result.json has `non_finite`, the samples whose outcome was not
+// finite, and `blocking_constraint` where no good design was found. What is not known is null, and
+// a seed above 2^63 - 1, which JSON readers would round, is text. Errors: STATUS_IO, and those of
+// journal_open().
 enum status report_write(const char *directory, struct error *error) MUST_USE;
 
 // Draws the corridors with gnuplot: a row a spring, the axial force on the left, the lateral one on
