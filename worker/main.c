@@ -49,7 +49,8 @@ static const struct number_option number_options[] = {
 static gboolean read_number(const char *name, const char *value, gpointer options, GError **error)
 {
     const struct number_option *option = number_options;
-    while (strcmp(option->name, name) != 0)
+    // GLib gives the name as it was typed: "--threads", or "-t" with its first letter.
+    while (strcmp(option->name, name) != 0 && (name[1] == '-' || name[1] != option->name[2]))
         option++;
     gint64 number;
     if (!g_ascii_string_to_signed(value, 10, option->min, option->max, &number, NULL)) {
@@ -65,10 +66,10 @@ static gboolean read_number(const char *name, const char *value, gpointer option
 static GOptionContext *options_context(struct options *options)
 {
     const GOptionEntry entries[] = {
-        {"url", 0, 0, G_OPTION_ARG_STRING, &options->url,
+        {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
          "Where the coordinator is (default: $SOBOX_URL, $LCM_DEFAULT_URL, " URL_DEFAULT ")",
          "URL"},
-        {"threads", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"threads", 't', 0, G_OPTION_ARG_CALLBACK, read_number,
          "Threads that compute (default: 0, as many as there are cores)", "N"},
         {"priority", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
          "Nice value added for them, 0 to 19 (default: 10)", "N"},
@@ -76,8 +77,8 @@ static GOptionContext *options_context(struct options *options)
          "Greatest message, 1400 to 60000 bytes (default: 1400)", "BYTES"},
         {"parent", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
          "End when this process, which must be the parent, ends", "PID"},
-        {"quiet", 0, 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
-        {"verbose", 0, 0, G_OPTION_ARG_NONE, &options->verbose, "Print every decision", NULL},
+        {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
+        {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Print every decision", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version,
          "Print version, protocol and kernel fingerprint", NULL},
         {0},
@@ -89,6 +90,8 @@ static GOptionContext *options_context(struct options *options)
     g_option_context_set_summary(context,
                                  "Evaluates designs for the coordinators on the network, on all "
                                  "cores, until it is stopped.");
+    g_option_context_set_description(context, "Exit status: 0 stopped; 1 failed while running; 2 "
+                                              "usage.");
     return context;
 }
 
@@ -108,9 +111,13 @@ static enum status read_options(struct options *options, int argc, char **argv, 
     return status;
 }
 
+// An empty --url is refused by the wire, not taken for none: it comes from an unset variable of a
+// script that meant another network than the default.
 static const char *url_wanted(const struct options *options)
 {
-    const char *urls[] = {options->url, g_getenv("SOBOX_URL"), g_getenv("LCM_DEFAULT_URL")};
+    if (options->url != NULL)
+        return options->url;
+    const char *urls[] = {g_getenv("SOBOX_URL"), g_getenv("LCM_DEFAULT_URL")};
     for (size_t i = 0; i < G_N_ELEMENTS(urls); i++) {
         if (urls[i] != NULL && urls[i][0] != '\0')
             return urls[i];
