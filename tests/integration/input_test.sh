@@ -95,7 +95,7 @@ lower_above_upper_is_refused()
 
 design_space_without_a_free_variable_is_refused()
 {
-    _refused 's/lower: 0, upper: .*\}/lower: 5, upper: 5}/' 'free'
+    _refused 's/lower: 0, upper: .*\}/lower: 5, upper: 5}/' 'every force is fixed'
 }
 
 overlap_of_zero_is_refused()

@@ -109,8 +109,8 @@ folder_without_a_run_cannot_be_resumed()
 {
     mkdir empty
     run 1 sobox-coordinator --resume empty
-    expect_said err 'empty.*no run'
+    expect_said err 'empty.*run\.db'
     run 1 sobox-coordinator --resume absent
-    expect_said err 'absent.*no run'
+    expect_said err 'absent.*run\.db'
     expect_no absent
 }

@@ -32,6 +32,6 @@ json_is_one_object_a_line()
 # A pipe that is closed, as by head, ends it without a word.
 monitor_ends_when_nobody_reads()
 {
-    start monitor sh -c 'sobox-monitor --url "$0" | head -n 1' "$url"
+    start monitor sh -c 'sobox-monitor --url "$0" --json | head -n 1' "$url"
     finish 0 monitor
 }

@@ -26,7 +26,7 @@ run_that_was_interrupted_can_be_reported()
     _interrupted_run
     run 0 sobox-report run
     expect_files run/corridors.svg run/corridors.csv
-    expect_equal "$(json run/result.json '$.searches[0].status')" running 'status in result.json'
+    expect_equal "$(json run/result.json '$.searches[0].status')" interrupted 'status in result.json'
 }
 
 run_that_was_killed_can_be_reported()

@@ -24,7 +24,7 @@ killed_local_worker_is_noticed_and_done_without()
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --workers 2
     wait_for_steps stormy 2
-    kill -KILL "$(local_workers coordinator | cut -d ' ' -f 1)"
+    kill -KILL "$(local_workers coordinator | head -n 1)"
     finish 0 coordinator
     expect_said coordinator.err 'local worker .* ended'
     expect_same_run calm stormy
@@ -35,7 +35,7 @@ run_fails_when_all_local_workers_are_killed()
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --workers 1
     wait_for_steps run 2
-    kill -KILL "$(local_workers coordinator | cut -d ' ' -f 1)"
+    kill -KILL "$(local_workers coordinator | head -n 1)"
     finish 1 coordinator
     expect_said coordinator.err 'all local workers have ended.*--resume'
     expect_equal "$(journal run 'SELECT state FROM run')" failed 'state of the run'
