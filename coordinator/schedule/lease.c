@@ -10,6 +10,10 @@
 // within one network half of that is plenty.
 #define LEASE_FIRST_NS INT64_C(500000000)
 
+// Nothing is overdue sooner than this: a box may have to be fetched first, and a worker that
+// measured microseconds so far may have to wait for its turn on its own machine.
+#define LEASE_OVERDUE_MIN_NS INT64_C(1000000)
+
 // No estimate, however wild the measurements, is longer than this.
 #define LEASE_ESTIMATE_MAX_NS 3600e9
 
@@ -88,7 +92,7 @@ static struct lease_plan lease_plan(const struct lease_book *book, const struct 
     // Work that is known to take longer than the greatest lease is not cut off.
     int64_t most_ns = ns_max(settings->lease_max_ns, ns_of(2 * work_ns));
     return (struct lease_plan){
-        .overdue_ns = lease->start_ns + bound_ns,
+        .overdue_ns = lease->start_ns + ns_max(LEASE_OVERDUE_MIN_NS, bound_ns),
         .late_ns = lease->start_ns + ns_max(least_ns / 4, bound_ns),
         .end_ns = lease->start_ns + ns_min(duration_ns, most_ns),
     };
