@@ -11,6 +11,7 @@
 #include <glib.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <unistd.h>
 
 static const char program_summary[] =
     "Shows the runs and workers heard on an LCM network: a line a run and a second. It only\n"
@@ -48,7 +49,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url, "The LCM network to watch", "LCM_URL"},
         {"json", 'j', 0, G_OPTION_ARG_NONE, &options->json, "One JSON object a second", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
-        {NULL},
+        G_OPTION_ENTRY_NULL,
     };
     GOptionContext *context = g_option_context_new(NULL);
     g_option_context_set_summary(context, program_summary);
@@ -95,10 +96,17 @@ static gboolean show(gpointer user)
         printf("no run is heard on %s; %u workers\n", monitor->options.url,
                monitor->feed.workers->len);
     }
-    // Whoever reads the lines has gone: so does the monitor.
-    if (fflush(stdout) != 0)
-        g_main_loop_quit(monitor->loop);
+    fflush(stdout);
     return G_SOURCE_CONTINUE;
+}
+
+// Whoever reads the lines has gone: so does the monitor, also while it has nothing to say.
+static gboolean unread(gint descriptor, GIOCondition condition, gpointer user)
+{
+    (void)descriptor;
+    (void)condition;
+    g_main_loop_quit(((struct monitor *)user)->loop);
+    return G_SOURCE_REMOVE;
 }
 
 static gboolean stop(gpointer user)
@@ -122,6 +130,7 @@ static enum status watch(struct monitor *monitor, struct error *error)
     wire_source_attach(monitor->wire);
     g_unix_signal_add(SIGINT, stop, monitor);
     g_unix_signal_add(SIGTERM, stop, monitor);
+    g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
     g_timeout_add(1000, show, monitor);
     g_main_loop_run(monitor->loop);
     show(monitor);
