@@ -122,7 +122,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show errors only", NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Show every decision", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
-        {NULL},
+        G_OPTION_ENTRY_NULL,
     };
     GOptionContext *context = g_option_context_new("SCENARIO.yaml");
     g_option_context_set_summary(context, program_summary);
