@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/wait_policy.h"
 #include "common/scenario/scenario_read.h"
 #include "coordinator/report/report.h"
 #include "coordinator/runtime/children.h"
@@ -299,6 +300,7 @@ static int run_scenario(const struct options *options, struct error *error)
 
 int main(int argc, char **argv)
 {
+    wait_policy_sleep(argv);
     struct options options;
     struct error error = {0};
     log_start("sobox-coordinator", LOG_NORMAL);

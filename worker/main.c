@@ -2,6 +2,7 @@
 // go while a coordinator runs.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/wait_policy.h"
 #include "common/numeric/digest.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
@@ -239,6 +240,7 @@ end:
 
 int main(int argc, char **argv)
 {
+    wait_policy_sleep(argv);
     log_start("sobox-worker", LOG_NORMAL);
     struct options options = {.priority = WORKER_PRIORITY_DEFAULT, .mtu = WIRE_MTU_DEFAULT};
     struct error error = {0};
