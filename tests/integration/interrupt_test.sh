@@ -1,8 +1,6 @@
 # A run may be ended at any time, in any way, and continued to the same bits.
 # shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
 
-readonly steady=(--set search.samples=4000 --set search.exploration_steps=30)
-
 _begin_and_end_run() # SIGNAL-FUNCTION OPTION...
 {
     local how=$1

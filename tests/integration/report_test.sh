@@ -14,8 +14,7 @@ report_is_made_from_the_journal_alone()
 
 _interrupted_run()
 {
-    start coordinator sobox-coordinator "$scenario" --out run --set search.samples=4000 \
-        --set search.exploration_steps=60
+    start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
     wait_for_steps run 3
     press_ctrl_c coordinator
     finish 130 coordinator
@@ -31,8 +30,7 @@ run_that_was_interrupted_can_be_reported()
 
 run_that_was_killed_can_be_reported()
 {
-    start coordinator sobox-coordinator "$scenario" --out run --set search.samples=4000 \
-        --set search.exploration_steps=60
+    start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
     wait_for_steps run 3
     signal KILL coordinator
     finish 137 coordinator

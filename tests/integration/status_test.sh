@@ -47,3 +47,18 @@ wrong_usage_ends_with_status_2()
     run 2 sobox-worker --threads -1
     expect_no run
 }
+
+# Threads that spin while they wait starve each other wherever anything else runs (see
+# common/base/wait_policy.h). The process number must stay: it is what signals are sent to.
+threads_sleep_while_they_wait_unless_told_otherwise()
+{
+    local policy
+    for policy in '' active; do
+        start "worker-$policy" env -u OMP_WAIT_POLICY ${policy:+OMP_WAIT_POLICY=$policy} sobox-worker --url "$url"
+        wait_for_line "worker-$policy" 'listening'
+        expect_equal "$(tr '\0' '\n' <"/proc/${process[worker-$policy]}/environ" |
+            sed -n 's/^OMP_WAIT_POLICY=//p')" "${policy:-passive}" 'how threads wait'
+        signal TERM "worker-$policy"
+        finish 0 "worker-$policy"
+    done
+}

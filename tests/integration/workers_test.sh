@@ -2,9 +2,6 @@
 # without them.
 # shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
 
-# Steps large enough that something can happen in mid-run.
-readonly steady=(--set search.samples=4000 --set search.exploration_steps=30)
-
 # The batches that the killed worker held are handed out again when it has been silent.
 batches_of_a_killed_worker_are_done_by_the_others()
 {
@@ -46,7 +43,7 @@ run_fails_when_all_local_workers_are_killed()
 worker_started_in_mid_run_takes_over()
 {
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
-    start first sobox-worker --url "$url"
+    start first sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url"
     wait_for_steps stormy 2
     signal KILL first
@@ -115,7 +112,7 @@ two_runs_share_a_worker()
 
 worker_ends_with_ctrl_c()
 {
-    start worker sobox-worker --url "$url"
+    start worker sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --url "$url"
     wait_for_steps run 1
     press_ctrl_c worker
