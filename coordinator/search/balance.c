@@ -3,9 +3,7 @@
 #include <assert.h>
 #include <glib.h>
 
-const double balance_gain = 0.03;
-
-static const double balance_reach = 0.3;    // of the width: how deep a side is felt
+static const double balance_reach = 0.25;   // of the width: how deep a side is felt
 static const double balance_evidence = 40;  // bad samples that move the sides by half the gain
 static const double balance_move_max = 0.1; // of the width, in one step
 

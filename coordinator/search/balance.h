@@ -20,15 +20,12 @@ struct balance_step {
     uint32_t samples;        // of the step, uniform in the box
     const struct cloud *bad; // the bad ones
     double bad_share;        // to be approached
-    double gain;             // how fast sides move against each other; balance_gain
+    double gain;             // how fast sides move against each other
     double volume_gain;      // how fast they move together towards bad_share
     int threads;
 };
 
 // Moves the sides of `box`, from which the samples were drawn, within `space`.
 void balance(struct box *box, const struct box *space, const struct balance_step *step);
-
-// A gain that averages over some 50 steps of 200 samples.
-extern const double balance_gain;
 
 #endif

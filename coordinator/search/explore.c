@@ -64,7 +64,7 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
         const struct balance_step balancing = {.samples = step->samples,
                                                .bad = step->bad,
                                                .bad_share = step->bad_share,
-                                               .gain = balance_gain,
+                                               .gain = step->gain,
                                                .volume_gain = step->volume_gain,
                                                .threads = step->threads};
         balance(&explore->box, explore->space, &balancing);
@@ -78,10 +78,13 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
 
 void explore_settle(struct explore *explore)
 {
-    if (explore->balancing)
-        return;
-    // The last grown box has the good share that balancing starts from; the trimmed one is smaller.
     explore->balancing = true;
+    prepare(explore);
+}
+
+void explore_move(struct explore *explore, const struct box *box)
+{
+    box_assign(&explore->box, box);
     prepare(explore);
 }
 

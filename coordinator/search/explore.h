@@ -32,6 +32,7 @@ struct explore_step {
     uint32_t samples;
     uint32_t good_count;
     double bad_share; // to be approached when balancing
+    double gain;      // as in struct balance_step
     double volume_gain;
     int threads;
 };
@@ -46,6 +47,9 @@ void explore_complete(struct explore *explore, const struct explore_step *step);
 
 // Samples the box as it stands from now on, and balances its sides.
 void explore_settle(struct explore *explore);
+
+// Goes on from another box, which is sampled as it stands.
+void explore_move(struct explore *explore, const struct box *box);
 
 // Whether there is nothing left to grow into: the box is the whole design space, all of it good.
 bool explore_whole(const struct explore *explore);

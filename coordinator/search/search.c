@@ -10,22 +10,34 @@
 #include <string.h>
 
 enum {
-    SEARCH_STARTS = 6,      // boxes that are grown at first, one from each start
-    SEARCH_CHUNK = 1024,    // samples made at once when a step is gone through
-    SEARCH_GOOD_KEPT = 512, // good samples of a step that the trim may anchor on
-    SEARCH_GROW_STEPS = 8,  // of each box between two decisions of the tournament
+    SEARCH_STARTS = 3,        // boxes that are grown at first, one from each start
+    SEARCH_CHUNK = 1024,      // samples made at once when a step is gone through
+    SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
+    SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
+    SEARCH_TRIAL_STEPS = 5,   // that a box cut out of the known bad samples is put to
+    SEARCH_GROW_STEPS = 5,    // of each box between two decisions of the tournament
 };
 
 // The good share that exploration aims at, as a bad share.
 static const double search_explore_bad = 0.25;
 
+// How fast sides move against each other while exploring. The gain falls to a fifth of this while
+// consolidating: first the box must follow the shape of the good region, then the noise must
+// average out.
+static const double search_gain = 0.2;
+static const double search_gain_fall = 4;
+
 // How fast the volume follows the good share: in exploration it has far to go; in consolidation the
-// few bad samples of a step are noise that must average out.
-static const double search_explore_gain = 1.2;
-static const double search_consolidate_gain = 0.2;
+// few bad samples of a step are noise.
+static const double search_explore_volume_gain = 1.2;
+static const double search_consolidate_volume_gain = 0.2;
 
 // The consolidation reaches its final share after this part of its steps and settles in the rest.
-static const double search_settle_after = 0.8;
+static const double search_settle_after = 0.75;
+
+// A box without any known bad sample is preferred to a balanced one that is at most this much
+// larger.
+static const double search_pure_worth = 1.01;
 
 struct search {
     const struct scenario *scenario; // borrowed
@@ -65,6 +77,10 @@ struct search {
     uint32_t consolidate_count; // of this consolidation, in all
     double bad_from;            // bad share it starts from
     double bad_to;              // and ends at
+    struct box explored;        // what exploration ended with: about 75 % good
+    uint32_t trial_steps;       // left of the trial of a box without known bad samples
+    uint64_t trial_bad;         // bad samples in it so far
+    struct box balanced;        // to go back to when it fails
     uint32_t samples;           // a step
 
     struct certificate certificate;
@@ -72,6 +88,7 @@ struct search {
     // The samples of the step that is being completed.
     struct cloud good;
     struct cloud bad;
+    struct cloud archive; // bad samples of all steps since exploration began, the newest
     uint32_t good_count;
     double *chunk; // (all variables x SEARCH_CHUNK)
 
@@ -214,6 +231,16 @@ static void recall(struct search *search, const struct verdict *verdicts)
     }
 }
 
+// Keeps the bad samples for good, as far as there is room.
+static void remember(struct search *search)
+{
+    for (uint32_t i = 0; i < search->bad.count; i++)
+        cloud_add(&search->archive, search->bad.values + i, search->bad.capacity,
+                  search->bad.violation[i]);
+    const uint32_t variables = search->space.count;
+    cloud_keep_newest(&search->archive, SEARCH_ARCHIVE / variables);
+}
+
 static void count_verdicts(struct search *search, const struct verdict *verdicts)
 {
     const uint32_t samples = search->request.sampling.samples;
@@ -264,14 +291,75 @@ static double bad_share_wanted(const struct search *search)
     return share;
 }
 
+// Trims `grown` by all known bad samples; returns whether the result is larger than `best`, which
+// it then replaces.
+static bool cut_pure(struct search *search, const struct box *grown, struct box *best)
+{
+    struct trim_options options = trim_options_default();
+    options.anchors = 4;
+    options.threads = search->threads;
+    struct box pure;
+    box_init(&pure, grown->count);
+    bool larger =
+        trim(grown, &current(search)->box, &search->good, &search->archive, &options, &pure);
+    struct volume volume = volume_of(&pure, &search->space);
+    volume.mantissa *= search_pure_worth;
+    larger = larger && volume_above(volume, volume_of(best, &search->space));
+    if (larger)
+        box_assign(best, &pure);
+    box_fini(&pure);
+    return larger;
+}
+
+// Cuts a box without any known bad sample out of what exploration found, and one around the box as
+// it stands. If one is hardly smaller than that it is put to trial. Where bad designs fill a corner
+// to the brim one cut is worth more than sides in balance, and in few dimensions the known bad
+// samples say exactly how far a side can go. In many dimensions such a box finds the gaps between
+// the samples, which the trial's fresh ones show.
+static void start_trial(struct search *search)
+{
+    static const struct growth little = {.rate = 0.05};
+    struct explore *explore = current(search);
+    struct box grown;
+    struct box best;
+    box_init(&grown, search->space.count);
+    box_init(&best, search->space.count);
+    box_assign(&best, &explore->box);
+    growth_apply(&little, &explore->box, &search->space, &grown);
+    bool found = cut_pure(search, &grown, &best);
+    found = cut_pure(search, &search->explored, &best) || found;
+    if (found) {
+        box_assign(&search->balanced, &explore->box);
+        explore_move(explore, &best);
+        search->trial_steps = SEARCH_TRIAL_STEPS;
+        search->trial_bad = 0;
+    }
+    box_fini(&best);
+    box_fini(&grown);
+}
+
+// Counts a step of the trial and decides after the last one.
+static void go_on_with_trial(struct search *search)
+{
+    const uint32_t samples = search->request.sampling.samples;
+    search->trial_bad += samples - search->good_count;
+    if (--search->trial_steps > 0)
+        return;
+    const double expected = search->bad_to * samples * SEARCH_TRIAL_STEPS;
+    if (search->trial_bad > expected + 2 * sqrt(expected) + 1)
+        explore_move(current(search), &search->balanced);
+}
+
 static void start_consolidate(struct search *search, uint32_t steps, double bad_from)
 {
     search->phase = SEARCH_PHASE_CONSOLIDATE;
     search->consolidate_steps = 0;
+    search->trial_steps = 0;
     search->consolidate_count = steps;
     search->bad_from = bad_from;
     search->bad_to = bad_share_wanted(search);
     explore_settle(current(search));
+    box_assign(&search->explored, &current(search)->box);
     if (steps == 0)
         start_certify(search);
 }
@@ -349,18 +437,15 @@ static void complete_seek(struct search *search)
         give_up(search);
 }
 
-static void explore_once(struct search *search, double bad_share, double volume_gain)
+// `goal` says where the step leads: bad share and gains.
+static void explore_once(struct search *search, struct explore_step goal)
 {
-    const struct explore_step step = {
-        .good = &search->good,
-        .bad = &search->bad,
-        .samples = search->request.sampling.samples,
-        .good_count = search->good_count,
-        .bad_share = bad_share,
-        .volume_gain = volume_gain,
-        .threads = search->threads,
-    };
-    explore_complete(current(search), &step);
+    goal.good = &search->good;
+    goal.bad = &search->bad;
+    goal.samples = search->request.sampling.samples;
+    goal.good_count = search->good_count;
+    goal.threads = search->threads;
+    explore_complete(current(search), &goal);
 }
 
 // Keeps the better half of the boxes in the tournament.
@@ -397,7 +482,9 @@ static void pass_turn(struct search *search)
 static void complete_explore(struct search *search)
 {
     const struct scenario_search *settings = &search->scenario->search;
-    explore_once(search, search_explore_bad, search_explore_gain);
+    explore_once(search, (struct explore_step){.bad_share = search_explore_bad,
+                                               .gain = search_gain,
+                                               .volume_gain = search_explore_volume_gain});
     search->explore_steps++;
     if (all_good(search) && explore_whole(current(search))) {
         start_certify(search);
@@ -416,10 +503,26 @@ static void complete_explore(struct search *search)
     start_consolidate(search, settings->consolidation_steps, search_explore_bad);
 }
 
+static void balance_once(struct search *search)
+{
+    const double way = (double)search->consolidate_steps / search->consolidate_count;
+    explore_once(search, (struct explore_step){.bad_share = bad_share_now(search),
+                                               .gain = search_gain / (1 + search_gain_fall * way),
+                                               .volume_gain = search_consolidate_volume_gain});
+}
+
 static void complete_consolidate(struct search *search)
 {
-    explore_once(search, bad_share_now(search), search_consolidate_gain);
-    if (++search->consolidate_steps == search->consolidate_count)
+    if (search->trial_steps > 0)
+        go_on_with_trial(search);
+    else
+        balance_once(search);
+    search->consolidate_steps++;
+    const uint32_t count = search->consolidate_count;
+    if (search->consolidate_steps == (uint32_t)(search_settle_after * count) ||
+        search->consolidate_steps + SEARCH_TRIAL_STEPS == count)
+        start_trial(search);
+    if (search->consolidate_steps == count)
         start_certify(search);
 }
 
@@ -464,6 +567,8 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
     count_verdicts(search, verdicts);
     recall(search, verdicts);
+    if (phase != SEARCH_PHASE_SEEK)
+        remember(search);
     search->step++;
     switch (phase) {
     case SEARCH_PHASE_SEEK:
@@ -519,6 +624,9 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     box_assign(&search->result, &scenario->design_space);
     cloud_init(&search->good, search->space.count);
     cloud_init(&search->bad, search->space.count);
+    cloud_init(&search->archive, search->space.count);
+    box_init(&search->explored, search->space.count);
+    box_init(&search->balanced, search->space.count);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
     seek_init(&search->seek, &search->space, SEARCH_STARTS);
@@ -536,6 +644,9 @@ void search_free(struct search *search)
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);
+    cloud_fini(&search->archive);
+    box_fini(&search->explored);
+    box_fini(&search->balanced);
     box_fini(&search->space);
     box_fini(&search->requested);
     box_fini(&search->result);

@@ -3,7 +3,8 @@
 #include <assert.h>
 #include <glib.h>
 
-static const double seek_spread = 1.3; // widening of the elite's own spread, against settling early
+static const double seek_spread =
+    1.05; // widening of the elite's own spread, against settling early
 
 void seek_init(struct seek *seek, const struct box *space, uint32_t wanted)
 {
