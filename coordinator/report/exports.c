@@ -27,7 +27,7 @@ static void csv_number(GString *csv, double value)
     g_string_append_printf(csv, ",%s", number_exact(value, text));
 }
 
-static void corridor_rows(GString *csv, uint32_t index, const struct run_search *search)
+static void corridor_rows(GString *csv, uint32_t index, const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
     for (uint32_t i = 0; search->box != NULL && i < search->box->count; i++) {
@@ -44,7 +44,7 @@ static void corridor_rows(GString *csv, uint32_t index, const struct run_search 
     }
 }
 
-static void history_rows(GString *csv, uint32_t index, const struct run_search *search)
+static void history_rows(GString *csv, uint32_t index, const struct run_data_search *search)
 {
     for (guint i = 0; i < search->steps->len; i++) {
         const struct run_step *step = &g_array_index(search->steps, struct run_step, i);
@@ -58,7 +58,7 @@ static void history_rows(GString *csv, uint32_t index, const struct run_search *
 
 static enum status write_csv(const struct run_data *data, const char *directory, const char *name,
                              const char *header,
-                             void (*rows)(GString *, uint32_t, const struct run_search *),
+                             void (*rows)(GString *, uint32_t, const struct run_data_search *),
                              struct error *error)
 {
     GString *csv = g_string_new(header);
@@ -94,7 +94,7 @@ static json_t *json_interval(const struct box *box, uint32_t variable)
     return json_pack("[f, f]", box->lower[variable], box->upper[variable]);
 }
 
-static json_t *json_variables(const struct run_search *search)
+static json_t *json_variables(const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
     json_t *variables = json_array();
@@ -122,7 +122,7 @@ static json_t *json_purity(const struct journal_search *record)
                      json_number(record->purity_lower95));
 }
 
-static json_t *json_search(const struct run_search *search)
+static json_t *json_search(const struct run_data_search *search)
 {
     const struct journal_search *record = &search->record;
     char hex[DIGEST_HEX_SIZE];

@@ -26,7 +26,7 @@ static double range_share(const struct range *range, double value)
 
 // ---- what belongs together ----
 
-static uint32_t spring_find(const struct run_search *search, const char *name)
+static uint32_t spring_find(const struct run_data_search *search, const char *name)
 {
     uint32_t i = 0;
     while (i < search->scenario.spring_count && strcmp(search->scenario.springs[i].name, name) != 0)
@@ -34,12 +34,13 @@ static uint32_t spring_find(const struct run_search *search, const char *name)
     return i;
 }
 
-static bool spring_shared(const struct run_search *other, const char *name)
+static bool spring_shared(const struct run_data_search *other, const char *name)
 {
     return other != NULL && spring_find(other, name) < other->scenario.spring_count;
 }
 
-uint32_t figure_shared_springs(const struct run_search *search, const struct run_search *other)
+uint32_t figure_shared_springs(const struct run_data_search *search,
+                               const struct run_data_search *other)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < search->scenario.spring_count; i++)
@@ -49,7 +50,7 @@ uint32_t figure_shared_springs(const struct run_search *search, const struct run
 
 // All forces of one direction share their range, so that springs compare (thesis 8.5.3: force
 // normalised to the highest of all groups).
-static void range_take_forces(struct range *range, const struct run_search *search,
+static void range_take_forces(struct range *range, const struct run_data_search *search,
                               enum scenario_direction direction)
 {
     for (uint32_t i = 0; search != NULL && i < search->scenario.design_space.count; i++)
@@ -71,7 +72,7 @@ static struct range force_range(const struct figure *figure, enum scenario_direc
 static struct range deformation_range(const struct figure *figure, const char *spring_name)
 {
     struct range range = EMPTY_RANGE;
-    const struct run_search *both[] = {figure->search, figure->other};
+    const struct run_data_search *both[] = {figure->search, figure->other};
     for (size_t r = 0; r < G_N_ELEMENTS(both); r++) {
         if (!spring_shared(both[r], spring_name))
             continue;
@@ -105,7 +106,7 @@ static double deformation_value(const struct figure *figure, const struct panel 
 
 // "$corridor_1_x << END": deformation, lower and upper of a box of one panel.
 static void put_block(GString *script, const char *name, const struct figure *figure,
-                      const struct panel *panel, const struct run_search *search,
+                      const struct panel *panel, const struct run_data_search *search,
                       const struct box *box)
 {
     uint32_t index = spring_find(search, panel->spring_name);
@@ -113,7 +114,7 @@ static void put_block(GString *script, const char *name, const struct figure *fi
     g_string_append_printf(script, "$%s_%" PRIu32 "_%s << END\n", name, panel->row + 1,
                            scenario_direction_name(panel->direction));
     for (uint32_t k = 0; k < spring->point_count; k++) {
-        uint32_t variable = run_search_variable(search, index, panel->direction, k);
+        uint32_t variable = run_data_variable(search, index, panel->direction, k);
         char deformation[NUMBER_SIZE], lower[NUMBER_SIZE], upper[NUMBER_SIZE];
         number_exact(deformation_value(figure, panel, spring->deformation[k]), deformation);
         number_exact(force_value(figure, panel, box->lower[variable]), lower);
@@ -130,7 +131,7 @@ static bool panel_compared(const struct figure *figure, const struct panel *pane
 
 static void put_data(GString *script, const struct figure *figure, const struct panel *panel)
 {
-    const struct run_search *search = figure->search;
+    const struct run_data_search *search = figure->search;
     put_block(script, "design", figure, panel, search, &search->scenario.design_space);
     if (search->box != NULL)
         put_block(script, "corridor", figure, panel, search, search->box);
@@ -146,7 +147,7 @@ static void put_data(GString *script, const struct figure *figure, const struct 
 // string that begins with a quote for an empty one.
 static char *quoted(const char *text)
 {
-    char *plain = name_plain(text);
+    char *plain = report_name_plain(text);
     GString *string = g_string_new("\"");
     for (const char *c = plain; *c != '\0'; c++) {
         if ((*c & 0x80) != 0 || g_ascii_isalnum(*c) || strchr(" .,:;-_%()+=", *c) != NULL)
@@ -177,9 +178,9 @@ static char *title_text(const struct figure *figure)
     return g_strdup_printf("%s and %s", name, figure->other->name);
 }
 
-static void put_purity(GString *text, const struct run_search *search)
+static void put_purity(GString *text, const struct run_data_search *search)
 {
-    if (run_search_found_nothing(search))
+    if (run_data_found_nothing(search))
         g_string_append(text, "no good design found");
     else if (!search->record.finished)
         g_string_append_printf(text, "not finished (%s)", search->status);
@@ -191,7 +192,7 @@ static void put_purity(GString *text, const struct run_search *search)
 }
 
 // What the legend says of one corridor.
-static char *legend_text(const struct run_search *search, const char *label)
+static char *legend_text(const struct run_data_search *search, const char *label)
 {
     char designs[NUMBER_SIZE];
     GString *text = g_string_new(label);
@@ -324,8 +325,8 @@ static void put_swatch(GString *script, double x, double y, double height, const
                            line, fill);
 }
 
-static void put_legend_line(GString *script, const struct run_search *search, const char *label,
-                            const char *colour, double y, double height)
+static void put_legend_line(GString *script, const struct run_data_search *search,
+                            const char *label, const char *colour, double y, double height)
 {
     char fill[32], *text = legend_text(search, label);
     g_snprintf(fill, sizeof fill, "%s_fill", colour);

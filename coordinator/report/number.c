@@ -34,7 +34,7 @@ const char *number_count(uint64_t value, char text[NUMBER_SIZE])
     return text;
 }
 
-char *name_plain(const char *name)
+char *report_name_plain(const char *name)
 {
     GString *plain = g_string_new(NULL);
     for (const char *c = name; *c != '\0'; c = g_utf8_next_char(c)) {

@@ -15,6 +15,6 @@ const char *number_count(uint64_t value, char text[NUMBER_SIZE]);
 
 // A copy of a name without control characters, which could steer a terminal or end a line of a
 // script. The caller frees it.
-char *name_plain(const char *name);
+char *report_name_plain(const char *name);
 
 #endif

@@ -19,7 +19,7 @@ const char *report_format_name(enum report_format format)
 // ---- what is drawn ----
 
 static enum status choose_search(const struct run_data *data, const char *directory, uint32_t index,
-                                 const struct run_search **search, struct error *error)
+                                 const struct run_data_search **search, struct error *error)
 {
     if (index >= data->run.search_count)
         return error_set(error, STATUS_INVALID,
@@ -29,7 +29,8 @@ static enum status choose_search(const struct run_data *data, const char *direct
     return STATUS_OK;
 }
 
-static enum status check_comparable(const struct run_search *search, const struct run_search *other,
+static enum status check_comparable(const struct run_data_search *search,
+                                    const struct run_data_search *other,
                                     const struct report_plot *plot, struct error *error)
 {
     if (other->box == NULL)
@@ -45,7 +46,7 @@ static enum status check_comparable(const struct run_search *search, const struc
 }
 
 // The first thing in which two searches differ is what a reader wants to see in the legend.
-static char *legend_label(const struct run_search *search, const struct run_search *other,
+static char *legend_label(const struct run_data_search *search, const struct run_data_search *other,
                           const char *directory)
 {
     if (other == NULL)
@@ -114,7 +115,7 @@ static enum status draw_figure(struct figure *figure, const char *output, enum r
 enum status report_draw(const char *directory, const struct report_plot *plot, struct error *error)
 {
     struct run_data data, compared = {0};
-    const struct run_search *search = NULL, *other = NULL;
+    const struct run_data_search *search = NULL, *other = NULL;
     enum status status = run_data_read(&data, directory, error);
     if (status == STATUS_OK)
         status = choose_search(&data, directory, plot->search, &search, error);

@@ -6,14 +6,14 @@
 #include <inttypes.h>
 #include <string.h>
 
-bool run_search_found_nothing(const struct run_search *search)
+bool run_data_found_nothing(const struct run_data_search *search)
 {
     return strcmp(search->record.status, "no_good_design") == 0; // as search_status_name() has it
 }
 
 // Variables stand spring by spring, the x points before the y points (scenario.h).
-uint32_t run_search_variable(const struct run_search *search, uint32_t spring,
-                             enum scenario_direction direction, uint32_t point)
+uint32_t run_data_variable(const struct run_data_search *search, uint32_t spring,
+                           enum scenario_direction direction, uint32_t point)
 {
     const struct scenario *scenario = &search->scenario;
     assert(spring < scenario->spring_count);
@@ -28,7 +28,7 @@ uint32_t run_search_variable(const struct run_search *search, uint32_t spring,
     return index;
 }
 
-static enum status take_verdicts(struct run_search *search, const struct journal_step *step,
+static enum status take_verdicts(struct run_data_search *search, const struct journal_step *step,
                                  struct error *error)
 {
     if (step->detail != VERDICT_DETAIL_FULL)
@@ -51,7 +51,7 @@ static enum status take_verdicts(struct run_search *search, const struct journal
 
 static enum status take_step(void *user, const struct journal_step *step, struct error *error)
 {
-    struct run_search *search = user;
+    struct run_data_search *search = user;
     if (step->box->count != search->scenario.design_space.count)
         return error_set(error, STATUS_IO,
                          "step %" PRIu32 " has %" PRIu32 " variables, its scenario %" PRIu32,
@@ -71,7 +71,7 @@ static enum status take_step(void *user, const struct journal_step *step, struct
 }
 
 // What is shown of a search that has its result, and of one that has not.
-static enum status conclude(struct run_search *search, const struct journal_run *run,
+static enum status conclude(struct run_data_search *search, const struct journal_run *run,
                             struct error *error)
 {
     const struct journal_search *record = &search->record;
@@ -81,7 +81,7 @@ static enum status conclude(struct run_search *search, const struct journal_run 
         search->wall_ns = record->wall_ns;
         search->log_volume = record->log_volume;
         search->evaluations = record->evaluations;
-        if (run_search_found_nothing(search))
+        if (run_data_found_nothing(search))
             return STATUS_OK;
         if (record->box.count != search->scenario.design_space.count)
             return error_set(error, STATUS_IO,
@@ -99,8 +99,8 @@ static enum status conclude(struct run_search *search, const struct journal_run 
     return STATUS_OK;
 }
 
-static enum status read_search(struct run_search *search, struct journal *journal, uint32_t index,
-                               const struct journal_run *run, struct error *error)
+static enum status read_search(struct run_data_search *search, struct journal *journal,
+                               uint32_t index, const struct journal_run *run, struct error *error)
 {
     search->steps = g_array_new(FALSE, TRUE, sizeof(struct run_step));
     enum status status = journal_read_search(journal, index, &search->record, error);
@@ -126,7 +126,7 @@ enum status run_data_read(struct run_data *data, const char *directory, struct e
     if (status == STATUS_OK)
         status = journal_read_run(journal, &data->run, &reason);
     if (status == STATUS_OK) {
-        data->searches = g_new0(struct run_search, data->run.search_count);
+        data->searches = g_new0(struct run_data_search, data->run.search_count);
         for (uint32_t i = 0; i < data->run.search_count && status == STATUS_OK; i++)
             status = read_search(&data->searches[i], journal, i, &data->run, &reason);
         if (status != STATUS_OK && strstr(reason.text, "run.db") == NULL)
@@ -143,7 +143,7 @@ enum status run_data_read(struct run_data *data, const char *directory, struct e
 void run_data_fini(struct run_data *data)
 {
     for (uint32_t i = 0; data->searches != NULL && i < data->run.search_count; i++) {
-        struct run_search *search = &data->searches[i];
+        struct run_data_search *search = &data->searches[i];
         journal_search_fini(&search->record);
         scenario_fini(&search->scenario);
         box_fini(&search->last_box);

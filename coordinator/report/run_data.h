@@ -19,7 +19,7 @@ struct run_step {
 };
 
 // One search of the run.
-struct run_search {
+struct run_data_search {
     struct scenario scenario;
     struct journal_search record; // its box is empty until it is finished
     GArray *steps;                // of struct run_step
@@ -41,7 +41,7 @@ struct run_search {
 
 struct run_data {
     struct journal_run run;
-    struct run_search *searches; // (run.search_count)
+    struct run_data_search *searches; // (run.search_count)
 };
 
 // Reads a run folder. On failure the struct is zeroed.
@@ -53,10 +53,10 @@ enum status run_data_read(struct run_data *data, const char *directory,
 void run_data_fini(struct run_data *data);
 
 // The index of the variable of a spring's discretization point and direction.
-uint32_t run_search_variable(const struct run_search *search, uint32_t spring,
-                             enum scenario_direction direction, uint32_t point);
+uint32_t run_data_variable(const struct run_data_search *search, uint32_t spring,
+                           enum scenario_direction direction, uint32_t point);
 
 // Whether the search ended without any good sample.
-bool run_search_found_nothing(const struct run_search *search);
+bool run_data_found_nothing(const struct run_data_search *search);
 
 #endif

@@ -19,7 +19,7 @@ static int force_decimals(const struct scenario_spring *spring)
     return greatest >= 100e3 ? 1 : greatest >= 10e3 ? 2 : 3;
 }
 
-static void print_interval(const struct run_search *search, uint32_t variable, int decimals,
+static void print_interval(const struct run_data_search *search, uint32_t variable, int decimals,
                            FILE *out)
 {
     const struct box *space = &search->scenario.design_space, *box = search->box;
@@ -32,7 +32,7 @@ static void print_interval(const struct run_search *search, uint32_t variable, i
         fprintf(out, " %8s", "fixed");
 }
 
-static void print_spring(const struct run_search *search, uint32_t index, FILE *out)
+static void print_spring(const struct run_data_search *search, uint32_t index, FILE *out)
 {
     const struct scenario_spring *spring = &search->scenario.springs[index];
     int decimals = force_decimals(spring);
@@ -44,8 +44,7 @@ static void print_spring(const struct run_search *search, uint32_t index, FILE *
     for (uint32_t k = 0; k < spring->point_count; k++) {
         fprintf(out, "%12.3f", spring->deformation[k]);
         for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
-            print_interval(search,
-                           run_search_variable(search, index, (enum scenario_direction)d, k),
+            print_interval(search, run_data_variable(search, index, (enum scenario_direction)d, k),
                            decimals, out);
         fputc('\n', out);
     }
@@ -75,7 +74,7 @@ static const char *status_meaning(const char *status)
 }
 
 // Which constraint is worst violated by most samples, and by how many: what to relax first.
-static void print_obstacle(const struct run_search *search, FILE *out)
+static void print_obstacle(const struct run_data_search *search, FILE *out)
 {
     const struct scenario *scenario = &search->scenario;
     uint32_t worst = 0;
@@ -97,7 +96,7 @@ static void print_obstacle(const struct run_search *search, FILE *out)
             number_count(search->judged, judged));
 }
 
-static void print_purity(const struct run_search *search, FILE *out)
+static void print_purity(const struct run_data_search *search, FILE *out)
 {
     const struct journal_search *record = &search->record;
     char samples[NUMBER_SIZE];
@@ -110,7 +109,7 @@ static void print_purity(const struct run_search *search, FILE *out)
             floor(record->purity_lower95 * 1e4) * 1e-4); // a bound is not rounded up
 }
 
-static void print_cost(const struct run_search *search, FILE *out)
+static void print_cost(const struct run_data_search *search, FILE *out)
 {
     char evaluations[NUMBER_SIZE], rate[NUMBER_SIZE];
     double wall = (double)search->wall_ns * 1e-9;
@@ -125,14 +124,15 @@ static void print_cost(const struct run_search *search, FILE *out)
                 number_count(search->record.non_finite, evaluations));
 }
 
-static void print_search(const struct run_search *search, FILE *out)
+static void print_search(const struct run_data_search *search, FILE *out)
 {
-    char *name = name_plain(search->name), *status = name_plain(status_meaning(search->status));
+    char *name = report_name_plain(search->name),
+         *status = report_name_plain(status_meaning(search->status));
     fprintf(out, "%s, response %s\n", name, scenario_response_name(search->scenario.response));
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
         print_spring(search, i, out);
     fprintf(out, "\nstatus       %s\n", status);
-    if (run_search_found_nothing(search)) {
+    if (run_data_found_nothing(search)) {
         print_obstacle(search, out);
     } else {
         print_purity(search, out);
@@ -147,9 +147,9 @@ static void print_search(const struct run_search *search, FILE *out)
 // ---- a sweep ----
 
 // One line a search: their tables would bury each other.
-static void print_line(const struct run_search *search, uint32_t index, FILE *out)
+static void print_line(const struct run_data_search *search, uint32_t index, FILE *out)
 {
-    char *name = name_plain(search->name), *status = name_plain(search->status);
+    char *name = report_name_plain(search->name), *status = report_name_plain(search->status);
     char evaluations[NUMBER_SIZE];
     fprintf(out, "%5" PRIu32 " %-24.24s %-14.14s", index, name, status);
     if (search->box != NULL)
@@ -167,7 +167,7 @@ static void print_line(const struct run_search *search, uint32_t index, FILE *ou
 
 static void print_lines(const struct run_data *data, FILE *out)
 {
-    char *name = name_plain(data->run.name);
+    char *name = report_name_plain(data->run.name);
     fprintf(out, "%s, %" PRIu32 " searches\n\n", name, data->run.search_count);
     fprintf(out, "%5s %-24s %-14s %9s %9s %12s\n", "", "search", "status", "log-vol.",
             "purity>=", "designs");

@@ -66,7 +66,7 @@ static void counts_are_grouped(void **state)
 static void names_lose_their_control_characters(void **state)
 {
     (void)state;
-    char *name = name_plain("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
+    char *name = report_name_plain("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
     assert_string_equal(name, "a?[2J?b \xc3\xa9 ? ?");
     g_free(name);
 }
