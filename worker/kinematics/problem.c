@@ -38,8 +38,8 @@ static struct problem_curve problem_add_curve(struct kinematics_problem *problem
 }
 
 // A spring whose end just touches the face at time 0 does so in decimal numbers; in binary ones its
-// deformation may come out as some 1e-16 m. That would be contact for the integrators that let forces
-// act at time 0, by an accident of rounding, so touching is made exact.
+// deformation may come out as some 1e-16 m. That would be contact for the integrators that let
+// forces act at time 0, by an accident of rounding, so touching is made exact.
 static double problem_reach(const struct kinematics_problem *problem,
                             const struct kinematics_spring *spring)
 {
