@@ -124,6 +124,14 @@ static enum status replay(void *user, const struct journal_step *step, struct er
     return STATUS_OK;
 }
 
+static bool journal_present(const char *directory)
+{
+    char *path = g_build_filename(directory, "run.db", NULL);
+    const bool present = g_file_test(path, G_FILE_TEST_EXISTS);
+    g_free(path);
+    return present;
+}
+
 static enum status resume_search(struct run *run, uint32_t index, int threads, int64_t now_ns,
                                  struct error *error)
 {
@@ -152,6 +160,13 @@ enum status run_resume(struct run *run, const char *directory, int threads, int6
                        struct error *error)
 {
     *run = (struct run){.started_ns = now_ns, .directory = g_strdup(directory)};
+    if (!journal_present(directory)) {
+        run_fini(run);
+        return error_set(
+            error, STATUS_INVALID,
+            "%s: there is no run to continue: expected a run folder, which has a run.db",
+            directory);
+    }
     enum status status = journal_open(&run->journal, directory, JOURNAL_RESUME, error);
     if (status == STATUS_OK)
         status = journal_read_run(run->journal, &run->record, error);

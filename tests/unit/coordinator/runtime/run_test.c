@@ -208,7 +208,7 @@ static void folder_without_a_run_is_not_resumed(void **state)
     const struct fixture *fixture = *state;
     struct run run;
     struct error error = {0};
-    assert_int_not_equal(run_resume(&run, fixture->parent, 1, 0, &error), STATUS_OK);
+    assert_int_equal(run_resume(&run, fixture->parent, 1, 0, &error), STATUS_INVALID);
     assert_non_null(strstr(error.text, fixture->parent));
 }
 
