@@ -106,9 +106,9 @@ finished_run_is_not_run_again()
 folder_without_a_run_cannot_be_resumed()
 {
     mkdir empty
-    run 1 sobox-coordinator --resume empty
+    run 2 sobox-coordinator --resume empty
     expect_said err 'empty.*run\.db'
-    run 1 sobox-coordinator --resume absent
+    run 2 sobox-coordinator --resume absent
     expect_said err 'absent.*run\.db'
     expect_no absent
 }
