@@ -8,6 +8,7 @@
 
 enum {
     FINGERPRINT_SIZE = 8,
+    HEAD_SIZE = FINGERPRINT_SIZE + 24, // [bytes] with the header
     COUNT_SIZE = 4,
     SAMPLES_MAX = 65536,         // of one batch
     TEXT_SIZE_MAX = 1024 * 1024, // [bytes] of a scenario or box that travels in pieces
@@ -29,6 +30,7 @@ static const struct check_kind kinds[WIRE_KIND_COUNT] = {
     [WIRE_WORKER_STATUS] = {"SOBOX_WORKER", 2, 177, 0, 0},
     [WIRE_RUN_STATUS] = {"SOBOX_RUN", 2, 193, 0, 0},
     [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 98, 8, COUNT_MAX(98, 8)},
+    [WIRE_HAIL] = {"SOBOX_HAIL", 2, 72, 0, 0},
 };
 
 const struct check_kind *check_kind(enum wire_kind kind)
@@ -173,6 +175,12 @@ static bool search_status_ok(const sobox_search_status_t *m)
            bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SEARCH_STATUS].count_max);
 }
 
+static bool hail_ok(const sobox_hail_t *m)
+{
+    (void)m; // any challenge, any echo, and whoever is asked
+    return true;
+}
+
 bool check_fields(enum wire_kind kind, const void *message)
 {
     const sobox_header_t *header = message;
@@ -211,30 +219,53 @@ static bool count_ok(const struct check_kind *layout, const uint8_t *bytes, size
     return count <= (uint32_t)layout->count_max && array_size == count * layout->unit;
 }
 
-enum check_result check_packet(enum wire_kind kind, const uint8_t *bytes, size_t size,
-                               const struct tag_key *key, union codec_message *message)
+// Size, protocol and type; fills the message's header.
+static enum check_result check_head(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                                    union codec_message *message)
 {
     const struct check_kind *layout = &kinds[kind];
-    if (size < CHECK_FOREIGN_SIZE_MIN || size > WIRE_MTU_MAX)
-        return CHECK_SIZE;
-    size_t encoded_size = size - TAG_SIZE;
     memset(message, 0, sizeof *message);
+    if (size < HEAD_SIZE || size > WIRE_MTU_MAX)
+        return CHECK_SIZE;
     read_header(bytes, &message->header);
     // Fingerprint and header stand at the same place in every version, so that another version is
     // told from damage; its sizes and types are not ours to judge.
-    bool foreign = message->header.protocol != WIRE_PROTOCOL;
-    if (!foreign && (size < check_size_min(kind) || size > check_size_max(kind)))
-        return CHECK_SIZE;
-    if (!foreign && (int64_t)read_u64(bytes) != codec_fingerprint(kind))
-        return CHECK_TYPE;
-    if (!tag_matches(bytes + encoded_size, layout->channel, bytes, encoded_size, key))
-        return CHECK_TAG;
-    if (foreign)
+    if (message->header.protocol != WIRE_PROTOCOL)
         return CHECK_FOREIGN;
-    if (!count_ok(layout, bytes, encoded_size))
+    if (size < layout->fixed_size ||
+        size > layout->fixed_size + layout->unit * (size_t)layout->count_max)
+        return CHECK_SIZE;
+    return (int64_t)read_u64(bytes) == codec_fingerprint(kind) ? CHECK_GOOD : CHECK_TYPE;
+}
+
+static enum check_result check_body(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                                    union codec_message *message)
+{
+    if (!count_ok(&kinds[kind], bytes, size))
         return CHECK_COUNT;
-    if (codec_decode(kind, bytes, encoded_size, message) && check_fields(kind, message))
+    if (codec_decode(kind, bytes, size, message) && check_fields(kind, message))
         return CHECK_GOOD;
     codec_release(kind, message);
     return CHECK_FIELD;
+}
+
+enum check_result check_packet(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                               union codec_message *message)
+{
+    if (size < TAG_SIZE || size > WIRE_MTU_MAX)
+        return CHECK_SIZE;
+    size -= TAG_SIZE;
+    enum check_result result = check_head(kind, bytes, size, message);
+    if (result != CHECK_GOOD && result != CHECK_FOREIGN)
+        return result;
+    if (!tag_matches(bytes + size, kinds[kind].channel, bytes, size))
+        return CHECK_TAG;
+    return result == CHECK_FOREIGN ? result : check_body(kind, bytes, size, message);
+}
+
+enum check_result check_encoded(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                                union codec_message *message)
+{
+    enum check_result result = check_head(kind, bytes, size, message);
+    return result == CHECK_GOOD ? check_body(kind, bytes, size, message) : result;
 }

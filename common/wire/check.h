@@ -55,13 +55,18 @@ const struct check_kind *check_kind(enum wire_kind kind);
 size_t check_size_max(enum wire_kind kind);
 size_t check_size_min(enum wire_kind kind);
 
-// Checks the `size` bytes received on the kind's channel in this order: size, protocol,
+// Checks the `size` bytes received in clear on the kind's channel in this order: size, protocol,
 // fingerprint, tag, count, then decodes and checks every field. CHECK_GOOD fills `message`, which
 // the caller releases with codec_release(); everything else leaves nothing to release. For
 // CHECK_FOREIGN (the tag is right, so it is no damage, but the protocol is another)
 // `message->header` is filled.
 enum check_result check_packet(enum wire_kind kind, const uint8_t *bytes, size_t size,
-                               const struct tag_key *key, union codec_message *message);
+                               union codec_message *message);
+
+// The same for an encoded message without its tag, whose origin is proven otherwise: what was in a
+// sealed envelope (seal.h). A key proves who made a message, not that it is well-formed.
+enum check_result check_encoded(enum wire_kind kind, const uint8_t *bytes, size_t size,
+                                union codec_message *message);
 
 // Whether every field of `message` (the type of `kind`) but protocol and sequence has a value that
 // its .lcm file allows. Used on both sides: what is not valid is not sent either.

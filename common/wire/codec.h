@@ -1,9 +1,10 @@
-// One name for the seven generated encoders and decoders: the message's kind.
+// One name for the eight generated encoders and decoders: the message's kind.
 #ifndef SOBOX_COMMON_WIRE_CODEC_H
 #define SOBOX_COMMON_WIRE_CODEC_H
 
 #include "common/wire/wire.h"
 
+#include "sobox_hail_t.h"
 #include "sobox_outcome_batch_t.h"
 #include "sobox_run_status_t.h"
 #include "sobox_sample_batch_t.h"
@@ -20,7 +21,8 @@
     X(WIRE_TEXT_REQUEST, text_request)   \
     X(WIRE_WORKER_STATUS, worker_status) \
     X(WIRE_RUN_STATUS, run_status)       \
-    X(WIRE_SEARCH_STATUS, search_status)
+    X(WIRE_SEARCH_STATUS, search_status) \
+    X(WIRE_HAIL, hail)
 
 // A message of any kind. Every type begins with its header.
 union codec_message {

@@ -1,8 +1,10 @@
 // How a wire lives with LCM 1.3.1: README.md of this folder.
 #include "common/wire/wire.h"
 
+#include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/wire/check.h"
+#include "common/wire/door.h"
 #include "common/wire/guard.h"
 #include "common/wire/probe.h"
 #include "common/wire/quiet.h"
@@ -172,17 +174,20 @@ static void note_rejected(const struct wire *wire, enum wire_kind kind, enum che
                   check_kind(kind)->channel, check_result_text(result));
 }
 
-static void receive(const lcm_recv_buf_t *received, const char *channel, void *user)
+void wire_stranger(struct wire *wire, enum wire_kind kind, enum stranger stranger)
 {
-    struct wire_slot *slot = user;
+    wire->counters.rejected++;
+    wire->counters.unopened++;
+    if (!stranger_heard(&wire->strangers, stranger, 1, clock_monotonic_ns()))
+        note_rejected(wire, kind, CHECK_TAG);
+}
+
+void wire_take(struct wire_slot *slot, enum check_result result, union codec_message *received)
+{
     struct wire *wire = slot->wire;
-    union codec_message message;
-    (void)channel; // LCM's subscription is for the slot's channel exactly
-    enum check_result result =
-        check_packet(slot->kind, received->data, received->data_size, wire->key, &message);
     if (result == CHECK_FOREIGN) {
         wire->counters.foreign++;
-        wire->counters.foreign_protocol = message.header.protocol;
+        wire->counters.foreign_protocol = received->header.protocol;
         return;
     }
     if (result != CHECK_GOOD) {
@@ -191,10 +196,24 @@ static void receive(const lcm_recv_buf_t *received, const char *channel, void *u
         return;
     }
     wire->counters.received++;
-    sequence_hear(wire->heard, (uint64_t)message.header.sender, slot->kind,
-                  (uint32_t)message.header.sequence);
-    slot->handler(slot->user, slot->kind, &message);
-    codec_release(slot->kind, &message);
+    sequence_hear(wire->heard, (uint64_t)received->header.sender, slot->kind,
+                  (uint32_t)received->header.sequence);
+    slot->handler(slot->user, slot->kind, received);
+    codec_release(slot->kind, received);
+}
+
+static void receive(const lcm_recv_buf_t *received, const char *channel, void *user)
+{
+    struct wire_slot *slot = user;
+    union codec_message message;
+    (void)channel; // LCM's subscription is for the slot's channel exactly
+    if (slot->wire->key != NULL)
+        door_receive(slot, received->data, received->data_size);
+    else if (seal_is(received->data, received->data_size))
+        wire_stranger(slot->wire, slot->kind, STRANGER_SEALED);
+    else
+        wire_take(slot, check_packet(slot->kind, received->data, received->data_size, &message),
+                  &message);
 }
 
 static enum status subscribe(struct wire *wire, enum wire_kind kind, struct error *error)
@@ -223,7 +242,16 @@ enum status wire_subscribe(struct wire *wire, enum wire_kind kind, wire_handler 
     }
     slot->handler = handler;
     slot->user = user;
+    slot->overheard = false;
     return STATUS_OK;
+}
+
+enum status wire_overhear(struct wire *wire, enum wire_kind kind, wire_handler *handler, void *user,
+                          struct error *error)
+{
+    enum status status = wire_subscribe(wire, kind, handler, user, error);
+    wire->slots[kind].overheard = status == STATUS_OK;
+    return status;
 }
 
 size_t wire_descriptors(const struct wire *wire, int descriptors[WIRE_PORT_COUNT])
@@ -278,7 +306,7 @@ uint64_t wire_heard(const struct wire *wire)
 
 // ---- Sending ----
 
-static enum status send_packet(struct wire *wire, enum wire_kind kind, size_t size)
+enum status wire_send(struct wire *wire, enum wire_kind kind, size_t size)
 {
     struct wire_port *port = port_of(wire, kind);
     bool queues = wire->url.memq && wire->slots[kind].handler != NULL;
@@ -291,6 +319,17 @@ static enum status send_packet(struct wire *wire, enum wire_kind kind, size_t si
     wire->queued += queues;
     wire->counters.published++;
     return STATUS_OK;
+}
+
+// Room before and behind the encoded message in a packet. [bytes]
+static size_t room_before(const struct wire *wire)
+{
+    return wire->key != NULL ? SEAL_HEAD_SIZE : 0;
+}
+
+static size_t room_both(const struct wire *wire)
+{
+    return wire->key != NULL ? SEAL_SIZE : TAG_SIZE;
 }
 
 enum status wire_publish(struct wire *wire, enum wire_kind kind, void *message)
@@ -307,22 +346,34 @@ enum status wire_publish(struct wire *wire, enum wire_kind kind, void *message)
         return STATUS_INVALID;
     }
     size_t size = codec_encoded_size(kind, message);
-    if (size + TAG_SIZE > wire->mtu || !codec_encode(kind, message, wire->packet, size))
+    if (size + room_both(wire) > wire->mtu ||
+        !codec_encode(kind, message, wire->packet + room_before(wire), size))
         return STATUS_INVALID;
-    tag_compute(wire->packet + size, check_kind(kind)->channel, wire->packet, size, wire->key);
+    if (wire->key != NULL)
+        door_seal(wire, kind, size);
+    else
+        tag_compute(wire->packet + size, check_kind(kind)->channel, wire->packet, size);
     // A number is used up even when sending fails: receivers then count the loss that it is.
     slot->sequence++;
-    return send_packet(wire, kind, size + TAG_SIZE);
+    return wire_send(wire, kind, size + room_both(wire));
 }
 
 size_t wire_payload_max(const struct wire *wire, enum wire_kind kind)
 {
     const struct check_kind *layout = check_kind(kind);
-    size_t rest = wire->mtu - check_size_min(kind);
+    size_t rest = wire->mtu - layout->fixed_size - room_both(wire);
     return layout->unit == 0 ? 0 : rest - rest % layout->unit;
 }
 
 // ---- The whole ----
+
+// The door has seen to it already.
+static void on_hail(void *user, enum wire_kind kind, const void *message)
+{
+    (void)user;
+    (void)kind;
+    (void)message;
+}
 
 enum status wire_open(struct wire **opened, const struct wire_settings *settings, uint64_t sender,
                       struct error *error)
@@ -342,12 +393,17 @@ enum status wire_open(struct wire **opened, const struct wire_settings *settings
     wire->url = url;
     wire->mtu = settings->mtu;
     wire->sender = sender;
+    wire->key = settings->key;
     wire->heard = sequence_create();
     for (unsigned i = 0; i < WIRE_PORT_COUNT; i++)
         wire->ports[i].socket = -1;
     for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++)
         wire->slots[kind] = (struct wire_slot){.wire = wire, .kind = kind};
     status = open_ports(wire, error);
+    if (status == STATUS_OK && wire->key != NULL) {
+        wire->door = door_create(wire);
+        status = wire_subscribe(wire, WIRE_HAIL, on_hail, NULL, error);
+    }
     if (status != STATUS_OK) {
         wire_close(wire);
         return status;
@@ -364,6 +420,8 @@ void wire_close(struct wire *wire)
     wire_source_detach(wire);
     close_ports(wire);
     sequence_free(wire->heard);
+    door_free(wire->door);
+    sodium_memzero(wire->opened, sizeof wire->opened);
     g_free(wire);
 }
 
@@ -392,6 +450,8 @@ void wire_counters(struct wire *wire, struct wire_counters *counters)
 {
     for (unsigned i = 0; i < WIRE_PORT_COUNT; i++)
         count_dropped(wire, &wire->ports[i]);
+    if (wire->door != NULL)
+        door_expire(wire);
     wire->counters.lost = sequence_lost(wire->heard);
     *counters = wire->counters;
 }

@@ -11,10 +11,11 @@
 // channels is subscribed to. With memq:// all channels share the one queue.
 //
 // A received packet is borrowed bytes until proven: size within the channel's limits, fingerprint
-// and protocol of this version, the tag behind the encoded message right, counts that agree with
-// the size, fields within the ranges their .lcm file states; only then it is decoded and handed on.
-// Everything else is counted and dropped. LCM's own fragments never reach LCM: a kernel filter
-// drops them, because LCM 1.3.1 can be crashed by them.
+// and protocol of this version, the tag behind the encoded message right (or, where a key is
+// shared, its seal and its freshness: seal.h, fresh.h), counts that agree with the size, fields
+// within the ranges their .lcm file states; only then it is decoded and handed on. Everything else
+// is counted and dropped. LCM's own fragments never reach LCM: a kernel filter drops them, because
+// LCM 1.3.1 can be crashed by them.
 //
 // Delivery is best effort: lost, doubled and reordered messages are normal and the protocol's
 // business. One thread owns a wire; nothing here is called from another.
@@ -22,6 +23,7 @@
 #define SOBOX_COMMON_WIRE_WIRE_H
 
 #include "common/base/error.h"
+#include "common/wire/key.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -42,12 +44,16 @@ enum wire_kind {
     WIRE_WORKER_STATUS, // sobox_worker_status_t
     WIRE_RUN_STATUS,    // sobox_run_status_t
     WIRE_SEARCH_STATUS, // sobox_search_status_t
+    WIRE_HAIL,          // sobox_hail_t; between the wires themselves, where a key is shared
     WIRE_KIND_COUNT
 };
 
 struct wire_settings {
     const char *url; // memq:// or udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES
     uint32_t mtu;    // [bytes] greatest message with its tag, WIRE_MTU_DEFAULT .. WIRE_MTU_MAX
+    // Seals every message; those without it are not listened to. Borrowed until wire_close(). NULL:
+    // messages travel in clear, with a checksum.
+    const struct key *key;
 };
 
 // What went through, for status messages and for people.
@@ -56,6 +62,9 @@ struct wire_counters {
     uint64_t failed;      // that LCM could not send
     uint64_t received;    // that passed every check
     uint64_t rejected;    // that failed one
+    uint64_t unopened;    // of the rejected: that our key, or the lack of one, does not open
+    uint64_t replayed;    // of the rejected: heard before, or sent before this wire was there
+    uint64_t unproven;    // of the rejected: whose senders did not prove that they are there
     uint64_t foreign;     // of another protocol version (not counted as rejected)
     uint64_t lost;        // gaps in the senders' sequences
     uint64_t dropped;     // datagrams the kernel dropped: for want of buffer, or by the filter
@@ -70,7 +79,7 @@ typedef void wire_handler(void *user, enum wire_kind kind, const void *message);
 
 struct wire;
 
-// Default settings: memq://, WIRE_MTU_DEFAULT.
+// Default settings: memq://, WIRE_MTU_DEFAULT, no key.
 struct wire_settings wire_settings_default(void);
 
 // Opens the wire. `sender` is this process's random number (not 0). Messages from the process
@@ -78,7 +87,8 @@ struct wire_settings wire_settings_default(void);
 // they are missing (ttl=0, a generous recv_buf_size). Errors: STATUS_INVALID (URL that is not
 // memq:// or udpm://ADDRESS:PORT, port above 65533, not a multicast address, mtu out of range),
 // STATUS_NETWORK (no multicast route: the text names the remedy; port in use by a program that does
-// not share it; self test failed).
+// not share it; self test failed). With a key it listens on the status port from the start, and
+// others hear it only if it is dispatched: they ask for a proof that it is there.
 enum status wire_open(struct wire **wire, const struct wire_settings *settings, uint64_t sender,
                       struct error *error) MUST_USE;
 
@@ -91,10 +101,17 @@ void wire_close(struct wire *wire);
 enum status wire_subscribe(struct wire *wire, enum wire_kind kind, wire_handler *handler,
                            void *user, struct error *error) MUST_USE;
 
+// Like wire_subscribe(), but with a key also messages of senders that have not proven that they are
+// there, which may be recordings. For a kind that many hear of many and an old message of which
+// does no harm: the proofs would be as many as their pairs.
+enum status wire_overhear(struct wire *wire, enum wire_kind kind, wire_handler *handler, void *user,
+                          struct error *error) MUST_USE;
+
 // Sends a message: fills its header (protocol, sequence, sender; the caller sets header.run) and
-// encodes it with its tag. Returns STATUS_OK when LCM took it, which proves nothing about delivery;
-// STATUS_INVALID when it is larger than the mtu or a field is out of the range its .lcm file
-// states; STATUS_NETWORK when LCM could not send it (with memq://: when its queue is full).
+// encodes it with its tag or seals it. Returns STATUS_OK when LCM took it, which proves nothing
+// about delivery; STATUS_INVALID when it is larger than the mtu or a field is out of the range its
+// .lcm file states; STATUS_NETWORK when LCM could not send it (with memq://: when its queue is
+// full).
 enum status wire_publish(struct wire *wire, enum wire_kind kind, void *message);
 
 // File descriptors to poll for reading; fills at most WIRE_PORT_COUNT and returns how many there

@@ -2,7 +2,10 @@
 #ifndef SOBOX_COMMON_WIRE_WIRE_STATE_H
 #define SOBOX_COMMON_WIRE_WIRE_STATE_H
 
+#include "common/wire/check.h"
+#include "common/wire/key.h"
 #include "common/wire/sequence.h"
+#include "common/wire/stranger.h"
 #include "common/wire/tag.h"
 #include "common/wire/url.h"
 #include "common/wire/wire.h"
@@ -26,22 +29,36 @@ struct wire_slot {
     wire_handler *handler; // NULL: not subscribed
     void *user;
     uint32_t sequence;
+    bool overheard; // taken from senders that have not proven that they are there
 };
 
 struct wire {
     struct url url;
     uint32_t mtu;
     uint64_t sender;
-    const struct tag_key *key; // NULL: tags are checksums
+    const struct key *key; // borrowed; NULL: messages travel in clear
+    struct door *door;     // NULL without a key
     struct wire_port ports[WIRE_PORT_COUNT];
     struct wire_slot slots[WIRE_KIND_COUNT];
     struct wire_counters counters;
     struct sequence *heard;
-    size_t queued;     // messages in memq's queue
-    bool dispatching;  // LCM does not allow to handle within a handler
-    bool buffer_noted; // the user was told of a small receive buffer
-    GSource *source;   // NULL while detached
-    uint8_t packet[WIRE_MTU_MAX];
+    struct strangers strangers;
+    size_t queued;                // messages in memq's queue
+    bool dispatching;             // LCM does not allow to handle within a handler
+    bool buffer_noted;            // the user was told of a small receive buffer
+    GSource *source;              // NULL while detached
+    uint8_t packet[WIRE_MTU_MAX]; // being sent
+    uint8_t opened[WIRE_MTU_MAX]; // being received, where a key is shared
 };
+
+// The check of a message that arrived for the slot came to `result`: counts it, and hands it on and
+// releases it when it is good.
+void wire_take(struct wire_slot *slot, enum check_result result, union codec_message *message);
+
+// A message of `kind` that no key of ours opens arrived.
+void wire_stranger(struct wire *wire, enum wire_kind kind, enum stranger stranger);
+
+// Hands the `size` bytes of the wire's packet to LCM.
+enum status wire_send(struct wire *wire, enum wire_kind kind, size_t size) MUST_USE;
 
 #endif

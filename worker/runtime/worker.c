@@ -358,7 +358,8 @@ static const struct {
     {WIRE_TEXT, on_text},
     {WIRE_RUN_STATUS, on_run_status},
     // Last, because only a worker that listens for itself subscribes to it. Inside a coordinator
-    // this kind is the coordinator's.
+    // this kind is the coordinator's. They are only counted, so nobody needs to prove that it is
+    // there.
     {WIRE_WORKER_STATUS, on_worker_status},
 };
 
@@ -368,7 +369,9 @@ static enum status subscribe(struct worker *worker, struct error *error)
     enum status status = STATUS_OK;
     while (worker->subscribed < count && status == STATUS_OK) {
         size_t i = worker->subscribed;
-        status = wire_subscribe(worker->wire, heard[i].kind, heard[i].handler, worker, error);
+        status = heard[i].kind == WIRE_WORKER_STATUS
+                     ? wire_overhear(worker->wire, heard[i].kind, heard[i].handler, worker, error)
+                     : wire_subscribe(worker->wire, heard[i].kind, heard[i].handler, worker, error);
         worker->subscribed += status == STATUS_OK;
     }
     wire_source_attach(worker->wire);

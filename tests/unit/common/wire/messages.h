@@ -91,6 +91,9 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
                                                          .bound_count = MESSAGE_BOUND_COUNT,
                                                          .bounds = message_bounds};
         break;
+    case WIRE_HAIL:
+        message->hail = (sobox_hail_t){.challenge = {1, 2}, .asked = 9, .echo = {3, 4}};
+        break;
     case WIRE_KIND_COUNT:
         fail();
     }
@@ -101,7 +104,7 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
 // Puts the right tag behind the first `size - TAG_SIZE` bytes.
 static inline void packet_tag(enum wire_kind kind, uint8_t *packet, size_t size)
 {
-    tag_compute(packet + size - TAG_SIZE, check_kind(kind)->channel, packet, size - TAG_SIZE, NULL);
+    tag_compute(packet + size - TAG_SIZE, check_kind(kind)->channel, packet, size - TAG_SIZE);
 }
 
 // Encodes a message with its tag into `packet` (WIRE_MTU_MAX bytes); returns the packet's size.
@@ -131,7 +134,7 @@ static inline enum check_result packet_check(enum wire_kind kind, const uint8_t 
     uint8_t *copy = malloc(size > 0 ? size : 1);
     assert_non_null(copy);
     memcpy(copy, packet, size);
-    enum check_result result = check_packet(kind, copy, size, NULL, &message);
+    enum check_result result = check_packet(kind, copy, size, &message);
     if (result == CHECK_GOOD)
         codec_release(kind, &message);
     free(copy);
