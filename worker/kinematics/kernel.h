@@ -27,15 +27,21 @@ enum {
     KERNEL_VALUES = KERNEL_COEFFICIENTS / LANES,
 };
 
-// What a bundle needs beside registers. Each array has a bundle per entry.
+// What a bundle keeps of one spring. The parts stand side by side: as arrays of their own they
+// would lie whole pages apart, where the machine mistakes a store for a load's.
+struct kernel_spring {
+    double reference[LANES]; // [m] deformation beyond which the spring loads
+    double force_x[LANES];   // [N] in vehicle axes
+    double force_y[LANES];   // [N]
+    double place[LANES];     // [m] e
+    double work[LANES];      // [J] done on the vehicle so far; the leapfrog schemes keep it twice
+    double contact[LANES];   // 0 or 1; kept only while recording
+};
+
+// What a bundle needs beside registers.
 struct kernel_scratch {
     double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
-    double reference[KINEMATICS_SPRING_MAX * LANES]; // [m] deformation beyond which a spring loads
-    double force_x[KINEMATICS_SPRING_MAX * LANES];   // [N] in vehicle axes
-    double force_y[KINEMATICS_SPRING_MAX * LANES];   // [N]
-    double place[KINEMATICS_SPRING_MAX * LANES];     // [m] e
-    double work[KINEMATICS_SPRING_MAX * LANES];      // [J] done on the vehicle so far
-    double contact[KINEMATICS_SPRING_MAX * LANES];   // 0 or 1; kept only while recording
+    struct kernel_spring springs[KINEMATICS_SPRING_MAX] __attribute__((aligned(64)));
 };
 
 // Place and change of place. The leapfrog schemes keep the way of one step in `rate`, Runge-Kutta
@@ -265,11 +271,11 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
     load.contact = lanes_none();
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         const struct problem_spring *spring = &problem->springs[i];
-        const size_t slot = (size_t)i * LANES;
+        struct kernel_spring *kept = &scratch->springs[i];
         const struct kernel_place place = kernel_place(problem, features, spring, at, pose);
         const struct lanes s = lanes_add(lanes_set(spring->reach), place.place);
         const struct lanes_mask contact = lanes_and_less(place.projected, zero, s);
-        const struct lanes reference = lanes_load(scratch->reference + slot);
+        const struct lanes reference = lanes_load(kept->reference);
         struct lanes_mask loading;
         if (velocity == NULL || features.crushed) {
             loading = lanes_and_less(contact, reference, s);
@@ -278,7 +284,7 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
         }
         if (settled) {
             const struct lanes crushed = lanes_select(contact, lanes_max(reference, s), reference);
-            lanes_store(scratch->reference + slot, features.crushed ? crushed : s);
+            lanes_store(kept->reference, features.crushed ? crushed : s);
         }
 
         struct lanes x;
@@ -304,11 +310,11 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
         sum_y = lanes_add(sum_y, y);
         moment_x = lanes_fma(lanes_set(spring->position_y), x, moment_x);
         moment_y = lanes_fma(place.place, y, moment_y);
-        lanes_store(scratch->force_x + slot, x);
-        lanes_store(scratch->force_y + slot, y);
-        lanes_store(scratch->place + slot, place.place);
+        lanes_store(kept->force_x, x);
+        lanes_store(kept->force_y, y);
+        lanes_store(kept->place, place.place);
         if (recording) {
-            lanes_store(scratch->contact + slot, lanes_keep(contact, lanes_set(1.0)));
+            lanes_store(kept->contact, lanes_keep(contact, lanes_set(1.0)));
         }
         load.contact = lanes_or(load.contact, contact);
         if (i == 0) {
@@ -332,21 +338,20 @@ LANES_INLINE void kernel_work(const struct kinematics_problem *problem,
         lanes_fma(pose->cosine, way->x, lanes_mul(pose->sine, way->y)); // in vehicle axes
     const struct lanes across = lanes_fms(pose->cosine, way->y, lanes_mul(pose->sine, way->x));
     for (uint32_t i = 0; i < problem->spring_count; i++) {
-        const size_t slot = (size_t)i * LANES;
+        struct kernel_spring *kept = &scratch->springs[i];
         const struct lanes way_x =
             lanes_fnma(lanes_set(problem->springs[i].position_y), way->yaw, along);
-        const struct lanes way_y = lanes_fma(lanes_load(scratch->place + slot), way->yaw, across);
-        struct lanes work = lanes_load(scratch->work + slot);
-        work = lanes_fma(lanes_load(scratch->force_x + slot), way_x, work);
-        work = lanes_fma(lanes_load(scratch->force_y + slot), way_y, work);
-        lanes_store(scratch->work + slot, work);
+        const struct lanes way_y = lanes_fma(lanes_load(kept->place), way->yaw, across);
+        struct lanes work = lanes_load(kept->work);
+        work = lanes_fma(lanes_load(kept->force_x), way_x, work);
+        work = lanes_fma(lanes_load(kept->force_y), way_y, work);
+        lanes_store(kept->work, work);
     }
 }
 
 LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct kernel_load *load,
                                  struct kernel_observed *observed)
 {
-    const struct lanes deformation = lanes_keep(load->first_contact, load->first_deformation);
     observed->yaw_max = lanes_max(pose->magnitude, observed->yaw_max);
     observed->force_max = lanes_max(lanes_abs(load->x), observed->force_max);
     observed->force_sum = lanes_add(observed->force_sum, load->x);
@@ -354,7 +359,7 @@ LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct ke
         lanes_add(observed->contact_steps, lanes_keep(load->contact, lanes_set(1.0)));
     observed->deformation_last =
         lanes_select(load->first_contact, load->first_deformation, observed->deformation_last);
-    observed->deformation_max = lanes_max(deformation, observed->deformation_max);
+    observed->deformation_max = lanes_max(observed->deformation_last, observed->deformation_max);
 }
 
 // Writes the row of one time. Only the plain path records, with one design in a bundle. `acting` is
@@ -375,12 +380,13 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem, uint32
     double *column = row + KINEMATICS_COLUMN_SPRING;
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         const struct problem_spring *spring = &problem->springs[i];
-        const double deformation = spring->reach + scratch->place[i];
+        const struct kernel_spring *kept = &scratch->springs[i];
+        const double deformation = spring->reach + kept->place[0];
         column[KINEMATICS_SPRING_LENGTH] = spring->length - deformation;
         column[KINEMATICS_SPRING_DEFORMATION] = deformation;
-        column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? scratch->force_x[i] : 0.0;
-        column[KINEMATICS_SPRING_FORCE_Y] = acting > 0.0 ? scratch->force_y[i] : 0.0;
-        column[KINEMATICS_SPRING_CONTACT] = scratch->contact[i];
+        column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? kept->force_x[0] : 0.0;
+        column[KINEMATICS_SPRING_FORCE_Y] = acting > 0.0 ? kept->force_y[0] : 0.0;
+        column[KINEMATICS_SPRING_CONTACT] = kept->contact[0];
         column += KINEMATICS_SPRING_COLUMN_COUNT;
     }
 }
@@ -388,14 +394,16 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem, uint32
 // Central difference and velocity Verlet are one scheme: with the way of a step d, eq. 6.41 reads
 // d += a dt^2, q += d. `weight` is the part of a step over which the forces of one time act: half a
 // step at the end, which gives the velocity there, and at the start half a step for Verlet and none
-// for central difference. The work a F (d_before + d_after) / 2 then adds up exactly to the change
-// of kinetic energy.
+// for central difference. The work F (d_before + d_after) / 2 then adds up exactly to the change of
+// kinetic energy; twice the work is kept, which saves the halving.
 LANES_INLINE struct kernel_load
 kernel_leapfrog(const struct kinematics_problem *problem, struct problem_features features,
                 struct kernel_motion *at, struct kernel_motion *velocity, struct kernel_pose *pose,
                 struct kernel_observed *observed, double *rows, struct kernel_scratch *scratch)
 {
     const double dt = problem->time_step;
+    const double kick = dt * dt / problem->mass;
+    const double kick_yaw = dt * dt / problem->yaw_inertia;
     const double start_weight = problem->integrator == KINEMATICS_VELOCITY_VERLET ? 0.5 : 0.0;
     struct kernel_motion way = {lanes_set(-problem->speed * dt), lanes_set(0.0), lanes_set(0.0)};
     struct kernel_load load;
@@ -407,17 +415,19 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         if (weight > 0.0) {
             kernel_observe(pose, &load, observed);
         }
-        const struct lanes kick = lanes_set(weight * dt * dt / problem->mass);
-        const struct lanes kick_yaw = lanes_set(weight * dt * dt / problem->yaw_inertia);
         const struct kernel_motion before = way;
-        way.x = lanes_fma(load.x, kick, way.x);
-        way.y = lanes_fma(load.y, kick, way.y);
-        way.yaw = lanes_fma(load.moment, kick_yaw, way.yaw);
-        const struct lanes half = lanes_set(0.5 * weight);
-        const struct kernel_motion middle = {lanes_mul(half, lanes_add(before.x, way.x)),
-                                             lanes_mul(half, lanes_add(before.y, way.y)),
-                                             lanes_mul(half, lanes_add(before.yaw, way.yaw))};
-        kernel_work(problem, pose, &middle, scratch);
+        way.x = lanes_fma(load.x, lanes_set(weight * kick), way.x);
+        way.y = lanes_fma(load.y, lanes_set(weight * kick), way.y);
+        way.yaw = lanes_fma(load.moment, lanes_set(weight * kick_yaw), way.yaw);
+        struct kernel_motion twice = {lanes_add(before.x, way.x), lanes_add(before.y, way.y),
+                                      lanes_add(before.yaw, way.yaw)};
+        if (weight < 1.0) {
+            const struct lanes part = lanes_set(weight);
+            twice.x = lanes_mul(part, twice.x);
+            twice.y = lanes_mul(part, twice.y);
+            twice.yaw = lanes_mul(part, twice.yaw);
+        }
+        kernel_work(problem, pose, &twice, scratch);
         if (rows != NULL || last) {
             // At the ends the way after or before the kick is the velocity there; in between the
             // mean of the two.
@@ -519,11 +529,13 @@ LANES_INLINE void kernel_store(double *results, uint32_t count, struct lanes poi
     }
 }
 
-LANES_INLINE void
-kernel_results(const struct kinematics_problem *problem, const struct kernel_motion *at,
-               const struct kernel_motion *velocity, const struct kernel_pose *pose,
-               const struct kernel_load *load, const struct kernel_observed *observed,
-               const struct kernel_scratch *scratch, uint32_t count, double *results, size_t stride)
+LANES_INLINE void kernel_results(const struct kinematics_problem *problem,
+                                 const struct kernel_motion *at,
+                                 const struct kernel_motion *velocity,
+                                 const struct kernel_pose *pose, const struct kernel_load *load,
+                                 const struct kernel_observed *observed,
+                                 const struct kernel_scratch *scratch, double work_unit,
+                                 uint32_t count, double *results, size_t stride)
 {
     const struct problem_spring *first = &problem->springs[0];
     const struct lanes zero = lanes_set(0.0);
@@ -562,7 +574,8 @@ kernel_results(const struct kinematics_problem *problem, const struct kernel_mot
     STORE(KINEMATICS_ACCELERATION_MEAN, lanes_div(lanes_mul(observed->force_sum, by_mass), steps));
     STORE(KINEMATICS_KINETIC_ENERGY, energy);
     for (uint32_t i = 0; i < problem->spring_count; i++) {
-        STORE(KINEMATICS_WORK + i, lanes_sub(zero, lanes_load(scratch->work + (size_t)i * LANES)));
+        STORE(KINEMATICS_WORK + i,
+              lanes_fnma(lanes_set(work_unit), lanes_load(scratch->springs[i].work), zero));
     }
 #undef STORE
 }
@@ -577,8 +590,8 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
     kernel_coefficients(problem, count, values, stride, scratch->coefficients);
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         // The vehicle comes towards the barrier, so at time 0 every spring loads.
-        lanes_store(scratch->reference + (size_t)i * LANES, lanes_set(-INFINITY));
-        lanes_store(scratch->work + (size_t)i * LANES, zero);
+        lanes_store(scratch->springs[i].reference, lanes_set(-INFINITY));
+        lanes_store(scratch->springs[i].work, zero);
     }
     struct kernel_motion at = {lanes_set(problem->start_x), lanes_set(problem->start_y), zero};
     struct kernel_motion velocity = {lanes_set(-problem->speed), zero, zero};
@@ -588,8 +601,8 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
         runge_kutta
             ? kernel_runge_kutta(problem, features, &at, &velocity, &pose, &observed, rows, scratch)
             : kernel_leapfrog(problem, features, &at, &velocity, &pose, &observed, rows, scratch);
-    kernel_results(problem, &at, &velocity, &pose, &load, &observed, scratch, count, results,
-                   stride);
+    kernel_results(problem, &at, &velocity, &pose, &load, &observed, scratch,
+                   runge_kutta ? 1.0 : 0.5, count, results, stride);
 }
 
 // All designs, bundle by bundle. What most problems lack is left out of the first variant, which is
