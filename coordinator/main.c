@@ -4,6 +4,7 @@
 #include "common/base/log.h"
 #include "common/base/wait_policy.h"
 #include "common/scenario/scenario_read.h"
+#include "common/wire/key.h"
 #include "coordinator/report/report.h"
 #include "coordinator/runtime/children.h"
 #include "coordinator/runtime/coordinator.h"
@@ -29,6 +30,7 @@ static const char program_description[] =
     "  sobox-coordinator sedan-two-springs.yaml --workers 3\n"
     "  sobox-coordinator sedan-two-springs.yaml --url 'udpm://239.255.76.67:7667?ttl=1'\n"
     "  sobox-coordinator --resume runs/sedan-two-springs\n"
+    "  sobox-coordinator --new-key sobox.key\n"
     "\n"
     "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 finished, but no "
     "good\n"
@@ -44,6 +46,8 @@ struct options {
     char *out;
     char *resume;
     char *url;
+    char *key_file;
+    char *new_key;
     char **set; // NULL-terminated
     char *seed;
     int workers;
@@ -60,6 +64,8 @@ static void options_fini(struct options *options)
     g_free(options->out);
     g_free(options->resume);
     g_free(options->url);
+    g_free(options->key_file);
+    g_free(options->new_key);
     g_free(options->seed);
     g_strfreev(options->set);
 }
@@ -80,6 +86,13 @@ static enum status check_ranges(const struct options *options, struct error *err
 
 static enum status check_together(const struct options *options, struct error *error)
 {
+    if (options->new_key != NULL) {
+        if (options->scenario != NULL || options->resume != NULL || options->key_file != NULL)
+            return error_set(error, STATUS_INVALID,
+                             "--new-key makes a key and ends: it goes without a scenario, --resume "
+                             "and --key-file");
+        return STATUS_OK;
+    }
     if (options->resume != NULL) {
         if (options->scenario != NULL || options->out != NULL || options->seed != NULL ||
             options->set != NULL)
@@ -114,6 +127,11 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Use the workers that listen on this LCM URL, for instance "
          "udpm://239.255.76.67:7667?ttl=1",
          "LCM_URL"},
+        {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
+         "Seal all messages with the key in this file, the same for all workers and monitors",
+         "FILE"},
+        {"new-key", 0, 0, G_OPTION_ARG_FILENAME, &options->new_key,
+         "Make a key, write it to this new file, and end", "FILE"},
         {"threads", 't', 0, G_OPTION_ARG_INT, &options->threads,
          "Threads of this process and of each worker it starts (default: all processors)", "N"},
         {"mtu", 0, 0, G_OPTION_ARG_INT, &options->mtu,
@@ -183,18 +201,29 @@ static uint64_t sender_number(void)
     return sender;
 }
 
+// Says who can take part: those who have the key, or anyone.
+static void note_key(const struct wire *wire, const struct key *key)
+{
+    char name[KEY_NAME_SIZE];
+    if (key != NULL)
+        log_debug("messages are sealed with the key %s", key_name(key, name));
+    else if (wire_leaves_machine(wire))
+        log_note("messages leave this machine without a key: anyone on this network can take part "
+                 "and read along; see --key-file");
+}
+
 // Opens the wire the options ask for, with a worker of its own where there is no other, and runs.
 static enum status run_on_wire(struct run *run, const struct options *options, int threads,
-                               const char *url, struct children *children, struct error *error)
+                               const char *url, const struct key *key, struct children *children,
+                               struct error *error)
 {
     const uint64_t sender = sender_number();
-    const struct wire_settings settings = {.url = url, .mtu = (uint32_t)options->mtu};
+    const struct wire_settings settings = {.url = url, .mtu = (uint32_t)options->mtu, .key = key};
     struct wire *wire = NULL;
     enum status status = wire_open(&wire, &settings, sender, error);
     if (status != STATUS_OK)
         return status;
-    if (wire_leaves_machine(wire))
-        log_note("messages leave this machine without a key: anyone on this network can take part");
+    note_key(wire, key);
 
     struct worker *worker = NULL;
     if (options->url == NULL && children == NULL) {
@@ -214,7 +243,7 @@ static enum status run_on_wire(struct run *run, const struct options *options, i
 
 // Starts local workers first: LCM does not survive a fork.
 static enum status run_with_workers(struct run *run, const struct options *options, int threads,
-                                    struct error *error)
+                                    const struct key *key, struct error *error)
 {
     char *url = NULL;
     if (options->url != NULL)
@@ -228,6 +257,7 @@ static enum status run_with_workers(struct run *run, const struct options *optio
         const struct children_settings settings = {
             .count = (uint32_t)options->workers,
             .url = url,
+            .key_file = options->key_file,
             .threads = options->threads,
             .mtu = (uint32_t)options->mtu,
             .verbose = options->verbose,
@@ -235,7 +265,7 @@ static enum status run_with_workers(struct run *run, const struct options *optio
         status = children_start(&children, &settings, error);
     }
     if (status == STATUS_OK)
-        status = run_on_wire(run, options, threads, url, children, error);
+        status = run_on_wire(run, options, threads, url, key, children, error);
     children_stop(children);
     g_free(url);
     return status;
@@ -276,7 +306,7 @@ static bool began(const struct run *run)
     return false;
 }
 
-static int run_scenario(const struct options *options, struct error *error)
+static int run_scenario(const struct options *options, const struct key *key, struct error *error)
 {
     const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
     struct run run;
@@ -285,7 +315,7 @@ static int run_scenario(const struct options *options, struct error *error)
         return (int)status_exit(status);
 
     log_debug("run folder %s", run.directory);
-    status = run_with_workers(&run, options, threads, error);
+    status = run_with_workers(&run, options, threads, key, error);
     int exit_code = (int)status_exit(status);
     if (status == STATUS_OK) {
         status = show(run.directory, error);
@@ -296,6 +326,29 @@ static int run_scenario(const struct options *options, struct error *error)
     }
     run_fini(&run);
     return exit_code;
+}
+
+static int run_with_key(const struct options *options, struct error *error)
+{
+    struct key *key = NULL;
+    if (options->key_file != NULL) {
+        enum status status = key_read(&key, options->key_file, error);
+        if (status != STATUS_OK)
+            return (int)status_exit(status);
+    }
+    int exit_code = run_scenario(options, key, error);
+    key_free(key);
+    return exit_code;
+}
+
+static int make_key(const char *path, struct error *error)
+{
+    enum status status = key_write_new(path, error);
+    if (status == STATUS_OK)
+        log_note("%s holds a new key: give it to every program with --key-file, and copy it only "
+                 "by ways that keep a secret",
+                 path);
+    return (int)status_exit(status);
 }
 
 int main(int argc, char **argv)
@@ -315,8 +368,10 @@ int main(int argc, char **argv)
         if (sodium_init() < 0)
             exit_code =
                 (int)status_exit(error_set(&error, STATUS_FAILED, "libsodium cannot start"));
+        else if (options.new_key != NULL)
+            exit_code = make_key(options.new_key, &error);
         else
-            exit_code = run_scenario(&options, &error);
+            exit_code = run_with_key(&options, &error);
     }
     if (error.status != STATUS_OK)
         log_failure(&error);

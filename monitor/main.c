@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/wire/key.h"
 #include "common/wire/source.h"
 #include "common/wire/wire.h"
 #include "monitor/feed/feed.h"
@@ -29,6 +30,7 @@ static const char program_description[] =
 
 struct options {
     char *url;
+    char *key_file;
     gboolean json;
     gboolean version;
 };
@@ -36,6 +38,7 @@ struct options {
 struct monitor {
     struct options options;
     struct feed feed;
+    struct key *key;
     struct wire *wire;
     GMainLoop *loop;
     gboolean silence_said;
@@ -47,6 +50,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     *options = (struct options){0};
     const GOptionEntry entries[] = {
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url, "The LCM network to watch", "LCM_URL"},
+        {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
+         "Open messages with the key in this file, where the runs have one", "FILE"},
         {"json", 'j', 0, G_OPTION_ARG_NONE, &options->json, "One JSON object a second", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
@@ -121,7 +126,12 @@ static enum status watch(struct monitor *monitor, struct error *error)
     settings.url = monitor->options.url;
     uint64_t sender = 0;
     randombytes_buf(&sender, sizeof sender);
-    enum status status = wire_open(&monitor->wire, &settings, sender | 1, error);
+    enum status status = STATUS_OK;
+    if (monitor->options.key_file != NULL)
+        status = key_read(&monitor->key, monitor->options.key_file, error);
+    settings.key = monitor->key;
+    if (status == STATUS_OK)
+        status = wire_open(&monitor->wire, &settings, sender | 1, error);
     static const enum wire_kind kinds[] = {WIRE_RUN_STATUS, WIRE_SEARCH_STATUS, WIRE_WORKER_STATUS};
     for (size_t i = 0; status == STATUS_OK && i < G_N_ELEMENTS(kinds); i++)
         status = wire_subscribe(monitor->wire, kinds[i], heard, monitor, error);
@@ -154,11 +164,13 @@ int main(int argc, char **argv)
         monitor.loop = g_main_loop_new(NULL, FALSE);
         status = watch(&monitor, &error);
         wire_close(monitor.wire);
+        key_free(monitor.key);
         g_main_loop_unref(monitor.loop);
         feed_fini(&monitor.feed);
     }
     if (status != STATUS_OK)
         log_failure(&error);
     g_free(monitor.options.url);
+    g_free(monitor.options.key_file);
     return (int)status_exit(status);
 }

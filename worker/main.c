@@ -4,6 +4,7 @@
 #include "common/base/log.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/digest.h"
+#include "common/wire/key.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
 
@@ -23,6 +24,7 @@ enum { PARENT_INTERVAL_S = 1 };
 
 struct options {
     char *url;
+    char *key_file;
     long threads;
     long priority;
     long mtu;
@@ -70,6 +72,8 @@ static GOptionContext *options_context(struct options *options)
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
          "Where the coordinator is (default: $SOBOX_URL, $LCM_DEFAULT_URL, " URL_DEFAULT ")",
          "URL"},
+        {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
+         "Seal all messages with the coordinator's key, in this file", "FILE"},
         {"threads", 't', 0, G_OPTION_ARG_CALLBACK, read_number,
          "Threads that compute (default: 0, as many as there are cores)", "N"},
         {"priority", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
@@ -167,12 +171,13 @@ static void print_version(void)
            digest_hex(&fingerprint, hex));
 }
 
-static enum status open_wire(struct wire **wire, const struct options *options, uint64_t *sender,
-                             struct error *error)
+static enum status open_wire(struct wire **wire, const struct options *options,
+                             const struct key *key, uint64_t *sender, struct error *error)
 {
     struct wire_settings settings = wire_settings_default();
     settings.url = url_wanted(options);
     settings.mtu = (uint32_t)options->mtu;
+    settings.key = key;
     if (g_str_has_prefix(settings.url, "memq:"))
         return error_set(error, STATUS_INVALID,
                          "--url: %s reaches nobody outside this process: expected "
@@ -187,13 +192,16 @@ static enum status open_wire(struct wire **wire, const struct options *options, 
 }
 
 static void say_hello(const struct options *options, const struct worker *worker,
-                      const struct wire *wire)
+                      const struct wire *wire, const struct key *key)
 {
+    char name[KEY_NAME_SIZE];
     log_note("listening on %s with %d thread%s", url_wanted(options), worker_threads(worker),
              worker_threads(worker) == 1 ? "" : "s");
-    if (wire_leaves_machine(wire))
-        log_note("anyone on this network can take part: messages carry no key. Use a network you "
-                 "trust, or ttl=0 to stay on this machine");
+    if (key != NULL)
+        log_note("messages are sealed with the key %s", key_name(key, name));
+    else if (wire_leaves_machine(wire))
+        log_note("anyone on this network can take part: messages carry no key. Share one with "
+                 "--key-file, use a network you trust, or ttl=0 to stay on this machine");
 }
 
 static void say_goodbye(const struct worker *worker)
@@ -208,6 +216,7 @@ static enum status run(const struct options *options, struct error *error)
 {
     struct wire *wire = NULL;
     struct worker *worker = NULL;
+    struct key *key = NULL;
     uint64_t sender;
     GMainLoop *loop = g_main_loop_new(NULL, FALSE);
     struct parent_watch watch = {.parent = (pid_t)options->parent, .loop = loop};
@@ -217,7 +226,10 @@ static enum status run(const struct options *options, struct error *error)
     if (options->parent != 0 && !watch_parent(&watch))
         goto end;
 
-    status = open_wire(&wire, options, &sender, error);
+    if (options->key_file != NULL)
+        status = key_read(&key, options->key_file, error);
+    if (status == STATUS_OK)
+        status = open_wire(&wire, options, key, &sender, error);
     if (status != STATUS_OK)
         goto end;
     struct worker_settings settings = worker_settings_default();
@@ -228,12 +240,13 @@ static enum status run(const struct options *options, struct error *error)
     status = worker_start(&worker, wire, sender, &settings, error);
     if (status != STATUS_OK)
         goto end;
-    say_hello(options, worker, wire);
+    say_hello(options, worker, wire, key);
     g_main_loop_run(loop);
     say_goodbye(worker);
 end:
     worker_stop(worker);
     wire_close(wire);
+    key_free(key);
     g_main_loop_unref(loop);
     return status;
 }
@@ -256,5 +269,6 @@ int main(int argc, char **argv)
     if (status != STATUS_OK)
         log_error("%s", error.text);
     g_free(options.url);
+    g_free(options.key_file);
     return (int)status_exit(status);
 }

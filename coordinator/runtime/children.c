@@ -92,9 +92,11 @@ enum status children_start(struct children **children, const struct children_set
     char *mtu_text = g_strdup_printf("%u", settings->mtu);
     char *parent_text = g_strdup_printf("%d", (int)getpid());
     const char *const arguments[] = {
-        program, "--url",  settings->url, "--threads", threads_text,
-        "--mtu", mtu_text, "--parent",    parent_text, settings->verbose ? "--verbose" : "--quiet",
-        NULL};
+        program, "--url", settings->url, "--threads", threads_text, "--mtu", mtu_text, "--parent",
+        parent_text, settings->verbose ? "--verbose" : "--quiet",
+        // Last, because without a key the list ends here. The key itself never shows in a list of
+        // processes.
+        settings->key_file != NULL ? "--key-file" : NULL, settings->key_file, NULL};
     enum status status = STATUS_OK;
     for (uint32_t i = 0; status == STATUS_OK && i < made->count; i++) {
         made->items[i].owner = made;

@@ -10,10 +10,11 @@
 #include <stdint.h>
 
 struct children_settings {
-    uint32_t count;  // processes
-    const char *url; // they listen on
-    int threads;     // of each; 0: the machine's processors divided among them, at least 1
-    uint32_t mtu;    // [bytes]
+    uint32_t count;       // processes
+    const char *url;      // they listen on
+    const char *key_file; // whose key they read for themselves; NULL: none
+    int threads;          // of each; 0: the machine's processors divided among them, at least 1
+    uint32_t mtu;         // [bytes]
     bool verbose;
 };
 
