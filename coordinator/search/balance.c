@@ -7,6 +7,36 @@ static const double balance_reach = 0.25;   // of the width: how deep a side is 
 static const double balance_evidence = 40;  // bad samples that move the sides by half the gain
 static const double balance_move_max = 0.1; // of the width, in one step
 
+// How a side's gain follows its pushes: over some seven steps, by at most a factor of four.
+static const double balance_memory = 0.15;
+static const double balance_eagerness = 0.7;
+static const double balance_eager_min = 0.25;
+static const double balance_eager_max = 4;
+
+void balance_init(struct balance *balance, uint32_t variables)
+{
+    const size_t sides = 2 * (size_t)variables + 1;
+    balance->variables = variables;
+    balance->push = g_new0(double, sides);
+    balance->eager = g_new(double, sides);
+    balance->sums = g_new(double, sides);
+    for (size_t side = 0; side < sides; side++)
+        balance->eager[side] = 1;
+}
+
+void balance_fini(struct balance *balance)
+{
+    g_free(balance->push);
+    g_free(balance->eager);
+    g_free(balance->sums);
+    *balance = (struct balance){0};
+}
+
+static double clamp(double value, double least, double most)
+{
+    return value < least ? least : value > most ? most : value;
+}
+
 // Sums of the bad samples' weights along the lower and the upper side of a variable. A sample at
 // the side weighs 1, one `balance_reach` inside 0.
 static void weigh(const double *column, uint32_t count, double lower, double upper, double sums[2])
@@ -41,36 +71,43 @@ static double mean_weight(const struct box *box, const struct box *space, const 
     return sides > 0 ? sum / sides : 0;
 }
 
-static double clamp(double value, double least, double most)
+// Notes a push on a side and returns the factor for its gain.
+static double eagerness(struct balance *balance, uint32_t side, double push)
 {
-    return value < least ? least : value > most ? most : value;
+    push = clamp(push, -1, 1);
+    const double agreement = clamp(push * balance->push[side], -0.5, 0.5);
+    balance->push[side] += balance_memory * (push - balance->push[side]);
+    balance->eager[side] = clamp(balance->eager[side] * (1 + balance_eagerness * agreement),
+                                 balance_eager_min, balance_eager_max);
+    return balance->eager[side];
 }
 
-void balance(struct box *box, const struct box *space, const struct balance_step *step)
+void balance_move(struct balance *balance, struct box *box, const struct box *space,
+                  const struct balance_step *step)
 {
-    assert(box->count == space->count && step->samples > 0);
+    assert(box->count == space->count && box->count == balance->variables && step->samples > 0);
     const uint32_t variables = box->count;
     const uint32_t bad = step->bad->count;
-    double *sums = g_new(double, 2 * (size_t)variables + 1);
+    double *sums = balance->sums;
 #pragma omp parallel for num_threads(step->threads) if ((size_t)bad * variables > 100000)
     for (uint32_t v = 0; v < variables; v++)
         weigh(cloud_column(step->bad, v), bad, box->lower[v], box->upper[v], sums + 2 * v);
     const double mean = mean_weight(box, space, sums);
     // Few bad samples say little about where they come from.
-    const double gain = step->gain * bad / (bad + balance_evidence);
+    const double evidence = bad / (bad + balance_evidence);
     const double share = (double)bad / step->samples;
-    const double wanted = step->bad_share;
-    const double out = step->volume_gain / (2.0 * variables) * (wanted - share) /
-                       (wanted + share + 1.0 / step->samples);
+    // Linear in the share, so that noise does not shift where it comes to rest.
+    const double lack = (step->bad_share - share) / (step->bad_share + 1.0 / step->samples);
+    const double out = step->volume_gain / (2.0 * variables) * clamp(lack, -1.5, 1);
     for (uint32_t v = 0; v < variables; v++) {
         const double width = box->upper[v] - box->lower[v];
         double move[2];
-        for (int i = 0; i < 2; i++) {
-            const double excess = mean > 0 ? sums[2 * v + i] / mean - 1 : 0;
-            move[i] = clamp(out - gain * excess, -balance_move_max, balance_move_max) * width;
+        for (uint32_t i = 0; i < 2; i++) {
+            const double push = mean > 0 ? evidence * (sums[2 * v + i] / mean - 1) : 0;
+            const double gain = step->gain * eagerness(balance, 2 * v + i, push);
+            move[i] = clamp(out - gain * push, -balance_move_max, balance_move_max) * width;
         }
         box->lower[v] = clamp(box->lower[v] - move[0], space->lower[v], space->upper[v]);
         box->upper[v] = clamp(box->upper[v] + move[1], space->lower[v], space->upper[v]);
     }
-    g_free(sums);
 }

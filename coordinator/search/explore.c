@@ -23,6 +23,7 @@ void explore_init(struct explore *explore, const struct box *space, const double
     for (uint32_t v = 0; v < space->count; v++)
         explore->box.lower[v] = explore->box.upper[v] = start[v * stride];
     growth_init(&explore->growth);
+    balance_init(&explore->balance, space->count);
     prepare(explore);
 }
 
@@ -30,6 +31,7 @@ void explore_fini(struct explore *explore)
 {
     box_fini(&explore->box);
     box_fini(&explore->sampled);
+    balance_fini(&explore->balance);
     *explore = (struct explore){0};
 }
 
@@ -67,7 +69,7 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
                                                .gain = step->gain,
                                                .volume_gain = step->volume_gain,
                                                .threads = step->threads};
-        balance(&explore->box, explore->space, &balancing);
+        balance_move(&explore->balance, &explore->box, explore->space, &balancing);
     } else if (!few || explore->balancing || growth_exhausted(&explore->growth)) {
         cut(explore, step);
     }

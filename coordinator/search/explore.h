@@ -19,6 +19,7 @@ struct explore {
     struct box box;          // as it stands: trimmed, or balanced
     struct box sampled;      // what to sample in the next step
     struct growth growth;
+    struct balance balance;
     double rate; // growth of the next step; 0 when it does not grow
     bool balancing;
     uint32_t steps;                      // finished

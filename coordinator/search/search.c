@@ -24,20 +24,21 @@ static const double search_explore_bad = 0.25;
 // How fast sides move against each other while exploring. The gain falls to a fifth of this while
 // consolidating: first the box must follow the shape of the good region, then the noise must
 // average out.
-static const double search_gain = 0.2;
+static const double search_gain = 0.13;
 static const double search_gain_fall = 4;
 
 // How fast the volume follows the good share: in exploration it has far to go; in consolidation the
 // few bad samples of a step are noise.
 static const double search_explore_volume_gain = 1.2;
-static const double search_consolidate_volume_gain = 0.2;
+static const double search_consolidate_volume_gain = 0.2; // falls as the other gain does
 
-// The consolidation reaches its final share after this part of its steps and settles in the rest.
-static const double search_settle_after = 0.75;
+// The consolidation reaches its final share after this part of its steps and settles in the rest,
+// over which its boxes are averaged.
+static const double search_settle_after = 0.6;
 
-// A box without any known bad sample is preferred to a balanced one that is at most this much
-// larger.
-static const double search_pure_worth = 1.01;
+// The bad share to consolidate to, as a part of what the next certificate allows: so far below it
+// that the certificate passes with near certainty, and not further.
+static const double search_share_wanted = 0.55;
 
 struct search {
     const struct scenario *scenario; // borrowed
@@ -78,6 +79,8 @@ struct search {
     double bad_from;            // bad share it starts from
     double bad_to;              // and ends at
     struct box explored;        // what exploration ended with: about 75 % good
+    struct box average;         // of the boxes since it settled
+    uint32_t average_count;     // of those boxes
     uint32_t trial_steps;       // left of the trial of a box without known bad samples
     uint64_t trial_bad;         // bad samples in it so far
     struct box balanced;        // to go back to when it fails
@@ -275,8 +278,6 @@ static void start_certify(struct search *search)
         finish(search, SEARCH_STATUS_NO_GOOD_DESIGN);
 }
 
-// The bad share to consolidate to: so far below what the next certificate allows that it passes
-// with near certainty, and not further.
 static double bad_share_wanted(const struct search *search)
 {
     const struct scenario_search *settings = &search->scenario->search;
@@ -285,9 +286,11 @@ static double bad_share_wanted(const struct search *search)
     double share = most > 0 ? (double)most / settings->certificate_samples : 0;
     // A certificate that allows hardly any bad sample says little about what it would take.
     const double least = (1 - settings->target_purity) / 4;
-    share = share / 2 > least ? share / 2 : least;
+    share *= search_share_wanted;
+    share = share > least ? share : least;
+    // Each miss shows that the box comes out worse than it was meant to.
     for (uint32_t look = 0; look < search->certificate.looks; look++)
-        share /= 2;
+        share *= 0.7;
     return share;
 }
 
@@ -302,9 +305,8 @@ static bool cut_pure(struct search *search, const struct box *grown, struct box 
     box_init(&pure, grown->count);
     bool larger =
         trim(grown, &current(search)->box, &search->good, &search->archive, &options, &pure);
-    struct volume volume = volume_of(&pure, &search->space);
-    volume.mantissa *= search_pure_worth;
-    larger = larger && volume_above(volume, volume_of(best, &search->space));
+    larger =
+        larger && volume_above(volume_of(&pure, &search->space), volume_of(best, &search->space));
     if (larger)
         box_assign(best, &pure);
     box_fini(&pure);
@@ -312,7 +314,7 @@ static bool cut_pure(struct search *search, const struct box *grown, struct box 
 }
 
 // Cuts a box without any known bad sample out of what exploration found, and one around the box as
-// it stands. If one is hardly smaller than that it is put to trial. Where bad designs fill a corner
+// it stands. If one is larger than that it is put to trial. Where bad designs fill a corner
 // to the brim one cut is worth more than sides in balance, and in few dimensions the known bad
 // samples say exactly how far a side can go. In many dimensions such a box finds the gaps between
 // the samples, which the trial's fresh ones show.
@@ -346,7 +348,7 @@ static void go_on_with_trial(struct search *search)
     if (--search->trial_steps > 0)
         return;
     const double expected = search->bad_to * samples * SEARCH_TRIAL_STEPS;
-    if (search->trial_bad > expected + 2 * sqrt(expected) + 1)
+    if (search->trial_bad > expected)
         explore_move(current(search), &search->balanced);
 }
 
@@ -355,6 +357,7 @@ static void start_consolidate(struct search *search, uint32_t steps, double bad_
     search->phase = SEARCH_PHASE_CONSOLIDATE;
     search->consolidate_steps = 0;
     search->trial_steps = 0;
+    search->average_count = 0;
     search->consolidate_count = steps;
     search->bad_from = bad_from;
     search->bad_to = bad_share_wanted(search);
@@ -506,9 +509,41 @@ static void complete_explore(struct search *search)
 static void balance_once(struct search *search)
 {
     const double way = (double)search->consolidate_steps / search->consolidate_count;
-    explore_once(search, (struct explore_step){.bad_share = bad_share_now(search),
-                                               .gain = search_gain / (1 + search_gain_fall * way),
-                                               .volume_gain = search_consolidate_volume_gain});
+    const double fall = 1 + search_gain_fall * way;
+    explore_once(search, (struct explore_step){
+                             .bad_share = bad_share_now(search),
+                             .gain = search_gain / fall,
+                             .volume_gain = search_consolidate_volume_gain / fall,
+                         });
+}
+
+// Takes the box as it stands into the average (Polyak and Juditsky, 1992: the average of the last
+// boxes has less noise than the last one).
+static void take_average(struct search *search)
+{
+    const struct box *box = &current(search)->box;
+    struct box *average = &search->average;
+    if (search->average_count++ == 0)
+        box_assign(average, box);
+    for (uint32_t v = 0; v < box->count; v++) {
+        average->lower[v] += (box->lower[v] - average->lower[v]) / search->average_count;
+        average->upper[v] += (box->upper[v] - average->upper[v]) / search->average_count;
+    }
+}
+
+// The last steps of a consolidation, in which the box only has to come to rest.
+static void settle(struct search *search)
+{
+    if (search->trial_steps == 0)
+        take_average(search);
+    const uint32_t left = search->consolidate_count - search->consolidate_steps;
+    if (left == SEARCH_TRIAL_STEPS) {
+        if (search->average_count > 0)
+            explore_move(current(search), &search->average);
+        start_trial(search);
+    } else if (left == 0) {
+        start_certify(search);
+    }
 }
 
 static void complete_consolidate(struct search *search)
@@ -518,12 +553,11 @@ static void complete_consolidate(struct search *search)
     else
         balance_once(search);
     search->consolidate_steps++;
-    const uint32_t count = search->consolidate_count;
-    if (search->consolidate_steps == (uint32_t)(search_settle_after * count) ||
-        search->consolidate_steps + SEARCH_TRIAL_STEPS == count)
+    const uint32_t settled = (uint32_t)(search_settle_after * search->consolidate_count);
+    if (search->consolidate_steps > settled)
+        settle(search);
+    else if (search->consolidate_steps == settled)
         start_trial(search);
-    if (search->consolidate_steps == count)
-        start_certify(search);
 }
 
 static void complete_certify(struct search *search)
@@ -627,6 +661,7 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     cloud_init(&search->archive, search->space.count);
     box_init(&search->explored, search->space.count);
     box_init(&search->balanced, search->space.count);
+    box_init(&search->average, search->space.count);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
     seek_init(&search->seek, &search->space, SEARCH_STARTS);
@@ -647,6 +682,7 @@ void search_free(struct search *search)
     cloud_fini(&search->archive);
     box_fini(&search->explored);
     box_fini(&search->balanced);
+    box_fini(&search->average);
     box_fini(&search->space);
     box_fini(&search->requested);
     box_fini(&search->result);
