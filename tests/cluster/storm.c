@@ -117,7 +117,8 @@ static void fault_coordinator(struct storm *storm)
     if (dice_chance(&storm->dice, 0.5)) {
         trace_line(storm->now_ns, "coordinator", "killed");
         coordinator_node_kill(coordinator);
-        storm->starts_ns[0] = storm->now_ns + dice_wait_ns(&storm->dice, STORM_RESTART_NS / 4);
+        storm->starts_ns[0] =
+            storm->now_ns + (int64_t)dice_scale(&storm->dice, MICROSECOND_NS, STORM_RESTART_NS);
     } else {
         trace_line(storm->now_ns, "coordinator", "stopped until %.6f", (double)end_ns * 1e-9);
         coordinator->stopped_until_ns = end_ns;
