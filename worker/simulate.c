@@ -228,7 +228,7 @@ static json_t *violated_names(const struct scenario *scenario, const double *out
         if ((value >= constraint->min && value <= constraint->max) || named[constraint->outcome]) {
             continue;
         }
-        char name[SCENARIO_NAME_SIZE + 32];
+        char name[SCENARIO_OUTCOME_NAME_SIZE];
         json_array_append_new(
             names, json_string(scenario_outcome_name(scenario, constraint->outcome, name)));
         named[constraint->outcome] = true;
@@ -265,7 +265,7 @@ static enum status print_outcomes(const struct scenario *scenario,
 {
     json_t *object = json_object();
     for (uint32_t i = 0; i < scenario_outcome_count(scenario); i++) {
-        char name[SCENARIO_NAME_SIZE + 32];
+        char name[SCENARIO_OUTCOME_NAME_SIZE];
         json_object_set_new(object, scenario_outcome_name(scenario, i, name),
                             json_number(simulation->outcomes[i]));
     }

@@ -1,5 +1,6 @@
 #include "common/scenario/scenario.h"
 
+#include "common/scenario/formula.h"
 #include "common/scenario/words.h"
 
 #include <assert.h>
@@ -9,6 +10,13 @@
 
 const char *const scenario_model_words[] = {
     [SCENARIO_MODEL_SMALL_OVERLAP] = "small_overlap",
+    [SCENARIO_MODEL_HYPERSPHERE] = "hypersphere",
+    [SCENARIO_MODEL_ELLIPSE] = "ellipse",
+    [SCENARIO_MODEL_LINEAR] = "linear",
+    [SCENARIO_MODEL_ROSENBROCK] = "rosenbrock",
+    [SCENARIO_MODEL_TWO_SECTION_CRASH] = "two_section_crash",
+    [SCENARIO_MODEL_ORDERED_CRASH] = "ordered_crash",
+    [SCENARIO_MODEL_CORRIDOR_CRASH] = "corridor_crash",
     NULL,
 };
 const char *const scenario_profile_words[] = {
@@ -69,8 +77,26 @@ void scenario_init(struct scenario *scenario)
     };
 }
 
+static void search_fini(struct scenario_search *search)
+{
+    g_free(search->start);
+    box_fini(&search->start_box);
+    g_free(search->reference);
+    g_free(search->weights);
+    g_free(search->minimum_widths);
+    g_free(search->hold.lower);
+    g_free(search->hold.upper);
+    g_free(search->tie);
+}
+
 void scenario_fini(struct scenario *scenario)
 {
+    for (uint32_t i = 0; i < scenario->case_count; i++)
+        scenario_fini(&scenario->cases[i]);
+    g_free(scenario->cases);
+    search_fini(&scenario->search);
+    g_free(scenario->formula.inputs);
+    g_free(scenario->formula.constants);
     g_free(scenario->springs);
     g_free(scenario->variables);
     box_fini(&scenario->design_space);
@@ -79,15 +105,43 @@ void scenario_fini(struct scenario *scenario)
     *scenario = (struct scenario){0};
 }
 
+// ------------------------------------------------------------------------------------------------
+// Outcomes
+
+// Of a scenario without cases.
+static uint32_t own_outcome_count(const struct scenario *scenario)
+{
+    return scenario->model == SCENARIO_MODEL_SMALL_OVERLAP
+               ? OUTCOME_ENERGY_ABSORBED + scenario->spring_count
+               : formula_outcome_count(scenario);
+}
+
 uint32_t scenario_outcome_count(const struct scenario *scenario)
 {
-    return OUTCOME_ENERGY_ABSORBED + scenario->spring_count;
+    if (scenario->case_count == 0)
+        return own_outcome_count(scenario);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scenario->case_count; i++)
+        count += own_outcome_count(&scenario->cases[i]);
+    return count;
+}
+
+// The case that has the outcome, or the scenario itself; `outcome` becomes its index there.
+static const struct scenario *owner(const struct scenario *scenario, uint32_t *outcome)
+{
+    assert(*outcome < scenario_outcome_count(scenario));
+    if (scenario->case_count == 0)
+        return scenario;
+    uint32_t index = 0;
+    while (*outcome >= own_outcome_count(&scenario->cases[index]))
+        *outcome -= own_outcome_count(&scenario->cases[index++]);
+    return &scenario->cases[index];
 }
 
 uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name)
 {
     uint32_t count = scenario_outcome_count(scenario);
-    char candidate[SCENARIO_NAME_SIZE + 32];
+    char candidate[SCENARIO_OUTCOME_NAME_SIZE];
     for (uint32_t i = 0; i < count; i++) {
         if (strcmp(scenario_outcome_name(scenario, i, candidate), name) == 0)
             return i;
@@ -95,22 +149,44 @@ uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name
     return count;
 }
 
-const char *scenario_outcome_name(const struct scenario *scenario, uint32_t outcome,
-                                  char name[SCENARIO_NAME_SIZE + 32])
+static void own_outcome_name(const struct scenario *scenario, uint32_t outcome,
+                             char name[SCENARIO_OUTCOME_NAME_SIZE])
 {
-    assert(outcome < scenario_outcome_count(scenario));
-    if (outcome < OUTCOME_ENERGY_ABSORBED)
-        g_strlcpy(name, outcomes[outcome].name, SCENARIO_NAME_SIZE + 32);
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP)
+        formula_outcome_name(scenario, outcome, name);
+    else if (outcome < OUTCOME_ENERGY_ABSORBED)
+        g_strlcpy(name, outcomes[outcome].name, SCENARIO_OUTCOME_NAME_SIZE);
     else
-        snprintf(name, SCENARIO_NAME_SIZE + 32, "energy_absorbed.%s",
+        snprintf(name, SCENARIO_OUTCOME_NAME_SIZE, "energy_absorbed.%s",
                  scenario->springs[outcome - OUTCOME_ENERGY_ABSORBED].name);
+}
+
+const char *scenario_outcome_name(const struct scenario *scenario, uint32_t outcome,
+                                  char name[SCENARIO_OUTCOME_NAME_SIZE])
+{
+    char own[SCENARIO_OUTCOME_NAME_SIZE];
+    const struct scenario *of = owner(scenario, &outcome);
+    own_outcome_name(of, outcome, own);
+    g_strlcpy(name, of == scenario ? "" : of->name, SCENARIO_OUTCOME_NAME_SIZE);
+    g_strlcat(name, of == scenario ? "" : ".", SCENARIO_OUTCOME_NAME_SIZE);
+    g_strlcat(name, own, SCENARIO_OUTCOME_NAME_SIZE);
     return name;
 }
 
 const char *scenario_outcome_unit(const struct scenario *scenario, uint32_t outcome)
 {
-    assert(outcome < scenario_outcome_count(scenario));
+    const struct scenario *of = owner(scenario, &outcome);
+    if (of->model != SCENARIO_MODEL_SMALL_OVERLAP)
+        return formula_outcome_unit(of, outcome);
     return outcome < OUTCOME_ENERGY_ABSORBED ? outcomes[outcome].unit : "J";
+}
+
+// ------------------------------------------------------------------------------------------------
+// Words
+
+const char *scenario_model_name(enum scenario_model model)
+{
+    return scenario_model_words[model];
 }
 
 const char *scenario_response_name(enum scenario_response response)

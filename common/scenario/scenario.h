@@ -16,11 +16,27 @@ enum {
     SCENARIO_SPRING_MAX = 64,         // spring pairs
     SCENARIO_POINT_MAX = 32,          // discretization points of a spring
     SCENARIO_VARIABLE_MAX = 4096,     // = springs x 2 directions x points
-    SCENARIO_CONSTRAINT_MAX = 64,     // so that a constraint fits a byte on the wire
+    SCENARIO_CONSTRAINT_MAX = 255,    // of all cases, so that a constraint fits a byte on the wire
+    SCENARIO_CASE_MAX = 32,           // load cases of one scenario
+    SCENARIO_ROW_MAX = 256,           // rows of the matrix of the linear model
+    SCENARIO_START_MAX = 1024,        // starts of one search
+    SCENARIO_NO_SPRING = UINT32_MAX,  // the spring of a variable that is no spring's force
+    SCENARIO_OUTCOME_NAME_SIZE = 160, // [bytes] "CASE.energy_absorbed.SPRING" with its NUL
     SCENARIO_TEXT_SIZE_MAX = 1 << 20, // [bytes] of YAML; larger files are refused
 };
 
-enum scenario_model { SCENARIO_MODEL_SMALL_OVERLAP };
+// What turns a design into outcomes. All but the first are functions in closed form (formula.h).
+enum scenario_model {
+    SCENARIO_MODEL_SMALL_OVERLAP,
+    SCENARIO_MODEL_HYPERSPHERE,
+    SCENARIO_MODEL_ELLIPSE,
+    SCENARIO_MODEL_LINEAR,
+    SCENARIO_MODEL_ROSENBROCK,
+    SCENARIO_MODEL_TWO_SECTION_CRASH,
+    SCENARIO_MODEL_ORDERED_CRASH,
+    SCENARIO_MODEL_CORRIDOR_CRASH,
+    SCENARIO_MODEL_COUNT,
+};
 enum scenario_profile { SCENARIO_PROFILE_FLAT, SCENARIO_PROFILE_ROUNDED };
 enum scenario_integrator {
     SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE,
@@ -74,12 +90,24 @@ struct scenario_simulation {
 
 // min <= outcome <= max.
 struct scenario_constraint {
-    uint32_t outcome; // index among the model's outcomes
+    uint32_t outcome; // index among the scenario's outcomes: with cases, those of all of them
     double min;       // -INFINITY where there is none
     double max;       // INFINITY where there is none
     double scale;     // > 0: relative violation = (min - value or value - max) / scale
 };
 
+// The two bounds of every variable; NAN where a bound is not held.
+struct scenario_hold {
+    double *lower; // (variables) or NULL: none is held
+    double *upper; // (variables) or NULL: none is held
+};
+
+// How to search. Lists have one number a variable, fixed ones included, in the unit of the variable
+// and the order of scenario.variables; a list that the file does not give is NULL. What the reader
+// promises about them is said here and need not be checked again.
+//
+// Some keys are read but not offered yet, because the search does not honour them: they are refused
+// with a message (search_read.h), and keep their defaults.
 struct scenario_search {
     uint32_t samples;             // a step
     uint32_t exploration_steps;   // at most
@@ -87,36 +115,95 @@ struct scenario_search {
     uint32_t certificate_samples;
     double target_purity; // in (0, 1)
     uint64_t seed;
-    enum scenario_sampling sampling;
+    enum scenario_sampling sampling; // of all steps but the certificate's, which are uniform
+
+    uint32_t starts;      // starts to try, 0..SCENARIO_START_MAX; 0: as many as the search finds
+                          // right. A given start is the first of them
+    uint64_t evaluations; // budget of the whole search, its certificate included; 0: no limit
+                          // beside the counts of steps. At least samples + certificate_samples
+
+    double *start;        // the design from which to begin, inside the design space
+    struct box start_box; // the box from which to begin, inside the design space; count 0: none.
+                          // Not given together with `start`
+    double *reference;    // a design that every box the search keeps must contain: inside the
+                          // design space and what is held. Whether it is good is for the search to
+                          // find out. With `start_box`, inside that too
+
+    double *weights;           // > 0; 1 where none is given. The search makes the sum of weight x
+                               // ln(width) over the free variables large. Results still state the
+                               // plain log_volume
+    double *minimum_widths;    // >= 0, at most the variable's width in the design space (or, where
+                               // both bounds are held, between them); 0 where none is given
+    struct scenario_hold hold; // bounds of corridors that stay where they are, inside the design
+                               // space, lower not above upper. Held both and equal, a variable has
+                               // that one value
+    uint32_t *tie;             // the first variable (lowest index) of those that share a corridor;
+                               // the variable's own index when it shares with none. They have the
+                               // same interval in the design space, the same weight, minimum
+                               // width, held bounds, and bounds of start_box. The corridors are
+                               // equal; the values of a design within them are independent
 };
 
-// One free or fixed force of the design space.
+// One free or fixed number of a design.
 struct scenario_variable {
-    char name[SCENARIO_NAME_SIZE + 32]; // "front.force_x[3]" for the crash model
-    uint32_t spring;                    // index
-    uint32_t point;                     // index of the discretization point
-    enum scenario_direction direction;
+    char name[SCENARIO_NAME_SIZE + 32]; // "front.force_x[3]" for the crash model, else the user's
+    uint32_t spring;                    // index, or SCENARIO_NO_SPRING in other models
+    uint32_t point;                     // index of the discretization point; 0 without a spring
+    enum scenario_direction direction;  // meaningless without a spring
 };
 
+// A number that a formula computes with: of the design, or the same for all designs.
+struct scenario_input {
+    uint32_t variable; // index, or SCENARIO_CONSTANT
+    double value;      // of a constant
+};
+#define SCENARIO_CONSTANT UINT32_MAX
+
+// What a model in closed form computes with: formula.h says which inputs and constants in which
+// order. All zero for the crash model.
+struct scenario_formula {
+    struct scenario_input *inputs; // (input_count)
+    uint32_t input_count;
+    double *constants; // (constant_count) that are never part of a design: a matrix, lengths
+    uint32_t constant_count;
+    uint32_t rows; // of the linear model's matrix; points of a corridor_crash's curve; else 0
+};
+
+// With cases, a design is good only if it is good in every one: each is a scenario of its own, the
+// outer one with the case's overrides, and has the same variables, bounds and deformation points.
+// The outer scenario's outcomes are then those of the cases, one after the other, and so are its
+// constraints; its own vehicle, barrier, springs and formula are what the cases began from, and
+// nothing is evaluated with them.
 struct scenario {
-    char name[SCENARIO_NAME_SIZE];
+    char name[SCENARIO_NAME_SIZE]; // of a case its own
     enum scenario_model model;
+
+    // Of the crash model.
     struct scenario_vehicle vehicle;
     struct scenario_barrier barrier;
     struct scenario_spring *springs; // (spring_count) the first one sits at the A-pillar
-    uint32_t spring_count;           // 1..SCENARIO_SPRING_MAX
+    uint32_t spring_count;           // 1..SCENARIO_SPRING_MAX; 0 for other models
     struct scenario_simulation simulation;
     enum scenario_response response;
     double firewall_distance; // [m] least s_L
-    struct scenario_search search;
+
+    // Of the other models.
+    struct scenario_formula formula;
+
+    struct scenario_search search; // of a case all default: the outer scenario's holds
+
+    struct scenario *cases; // (case_count) none of them has cases itself
+    uint32_t case_count;    // 0 or 1..SCENARIO_CASE_MAX
 
     // Derived when the file is read.
-    struct scenario_variable
-        *variables;          // (design_space.count) spring by spring; x points, y points
-    struct box design_space; // one interval a variable
-    struct scenario_constraint *constraints; // (constraint_count) of the response, then the user's
+    // Variables stand spring by spring, x points before y points; else in the order of the file.
+    struct scenario_variable *variables;     // (design_space.count)
+    struct box design_space;                 // one interval a variable
+    struct scenario_constraint *constraints; // (constraint_count) of the response or formula, then
+                                             // the user's; with cases, case by case
     uint32_t constraint_count;               // 1..SCENARIO_CONSTRAINT_MAX
 
+    // Of a case NULL, 0 and zeroed.
     char *text;           // the complete scenario as canonical YAML, overrides applied
     size_t text_size;     // [bytes] without the NUL that follows
     struct digest digest; // of the text: the scenario's name on the network
@@ -128,20 +215,23 @@ void scenario_init(struct scenario *scenario);
 // Releases what a scenario owns. A zeroed struct is fine.
 void scenario_fini(struct scenario *scenario);
 
-// How many outcomes the scenario's model has: OUTCOME_ENERGY_ABSORBED + spring_count.
+// How many outcomes a design of the scenario has: for the crash model OUTCOME_ENERGY_ABSORBED +
+// spring_count, for others those of the formula, with cases the sum over them.
 uint32_t scenario_outcome_count(const struct scenario *scenario);
 
 // The outcome of that name, or scenario_outcome_count() when there is none.
 uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name);
 
-// Writes the outcome's name, for instance "s_L" or "energy_absorbed.front"; returns `name`.
+// Writes the outcome's name, for instance "s_L", "energy_absorbed.front", or with cases
+// "wagon.s_L"; returns `name`.
 const char *scenario_outcome_name(const struct scenario *scenario, uint32_t outcome,
-                                  char name[SCENARIO_NAME_SIZE + 32]);
+                                  char name[SCENARIO_OUTCOME_NAME_SIZE]);
 
 // The outcome's unit, "1" where it has none.
 const char *scenario_outcome_unit(const struct scenario *scenario, uint32_t outcome);
 
 // Words as they stand in the file: "any", "central_difference", "uniform", "flat", "x".
+const char *scenario_model_name(enum scenario_model model);
 const char *scenario_response_name(enum scenario_response response);
 const char *scenario_integrator_name(enum scenario_integrator integrator);
 const char *scenario_sampling_name(enum scenario_sampling sampling);

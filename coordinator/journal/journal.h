@@ -60,7 +60,7 @@ struct journal_search {
     double purity_estimate, purity_lower95;
     uint64_t evaluations, non_finite;
     uint32_t steps;
-    char blocking_constraint[96]; // "" unless no good design was found
+    char blocking_constraint[160]; // "" unless no good design was found
     int64_t wall_ns;
     struct digest digest;
 };

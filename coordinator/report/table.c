@@ -84,7 +84,7 @@ static void print_obstacle(const struct run_data_search *search, FILE *out)
     if (search->worst[worst] == 0)
         return;
     const struct scenario_constraint *constraint = &scenario->constraints[worst];
-    char name[SCENARIO_NAME_SIZE + 32], bad[NUMBER_SIZE], judged[NUMBER_SIZE];
+    char name[SCENARIO_OUTCOME_NAME_SIZE], bad[NUMBER_SIZE], judged[NUMBER_SIZE];
     fprintf(out, "in the way   %s", scenario_outcome_name(scenario, constraint->outcome, name));
     if (isfinite(constraint->min))
         fprintf(out, " >= %g", constraint->min);

@@ -28,7 +28,7 @@ static void every_outcome_is_found_by_its_name(void **state)
     uint32_t count = scenario_outcome_count(&scenario);
     assert_int_equal(count, OUTCOME_ENERGY_ABSORBED + 2);
     for (uint32_t i = 0; i < count; i++) {
-        char name[SCENARIO_NAME_SIZE + 32];
+        char name[SCENARIO_OUTCOME_NAME_SIZE];
         assert_int_equal(
             scenario_outcome_find(&scenario, scenario_outcome_name(&scenario, i, name)), i);
         assert_true(strlen(scenario_outcome_unit(&scenario, i)) > 0);
