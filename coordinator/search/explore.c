@@ -3,6 +3,9 @@
 #include <assert.h>
 #include <math.h>
 
+// A grown box with more good samples than this still has far to go.
+static const double explore_share_grown = 0.9;
+
 static void prepare(struct explore *explore)
 {
     if (explore->balancing) {
@@ -72,6 +75,7 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
         balance_move(&explore->balance, &explore->box, explore->space, &balancing);
     } else if (!few || explore->balancing || growth_exhausted(&explore->growth)) {
         cut(explore, step);
+        explore->grown = explore->grown || share < explore_share_grown;
     }
     if (!explore->balancing)
         growth_steer(&explore->growth, share);

@@ -22,7 +22,8 @@ struct explore {
     struct balance balance;
     double rate; // growth of the next step; 0 when it does not grow
     bool balancing;
-    uint32_t steps;                      // finished
+    bool grown;     // has met bad samples and was trimmed: there is a box to balance
+    uint32_t steps; // finished
     struct volume yield[EXPLORE_MEMORY]; // volume of good designs sampled in the last steps
 };
 

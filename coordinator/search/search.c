@@ -468,18 +468,21 @@ static void halve(struct search *search)
     search->left_count = (search->left_count + 1) / 2;
 }
 
-// Gives the turn to the next box in the tournament; after the last one the better half stays.
-static void pass_turn(struct search *search)
+// Gives the turn to the next box in the tournament; after the last one the better half stays. The
+// last one left balances its sides once it has grown.
+static void go_on(struct search *search)
 {
-    if (--search->turn_steps > 0 || search->left_count == 1)
-        return;
-    if (++search->turn == search->left_count) {
-        halve(search);
-        search->turn = 0;
+    if (search->turn_steps > 1) {
+        search->turn_steps--;
+    } else if (search->left_count > 1) {
+        if (++search->turn == search->left_count) {
+            halve(search);
+            search->turn = 0;
+        }
+        search->turn_steps = round_steps(search);
+    } else if (current(search)->grown) {
+        explore_settle(current(search));
     }
-    search->turn_steps = round_steps(search);
-    if (search->left_count == 1)
-        search->turn_steps = SEARCH_GROW_STEPS;
 }
 
 static void complete_explore(struct search *search)
@@ -493,10 +496,7 @@ static void complete_explore(struct search *search)
         start_certify(search);
         return;
     }
-    if (search->left_count == 1 && search->turn_steps == 1)
-        explore_settle(current(search));
-    if (search->turn_steps > 1 || search->left_count > 1)
-        pass_turn(search);
+    go_on(search);
     if (search->explore_steps < settings->exploration_steps)
         return;
     while (search->left_count > 1)

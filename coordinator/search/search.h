@@ -78,8 +78,8 @@ struct search_result {
 
 struct search;
 
-// A search of `scenario` (borrowed for the life of the search). `index` is its number in the run
-// and part of the random counters. `threads` may trim. The caller frees it.
+// A search of `scenario` (borrowed for the life of the search). `index` is its number in the run;
+// it names the steps it asks for and changes no result. `threads` may trim. The caller frees it.
 struct search *search_create(const struct scenario *scenario, uint32_t index, uint64_t seed,
                              int threads);
 void search_free(struct search *search);
