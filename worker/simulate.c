@@ -61,7 +61,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
          "Print the mean absolute errors from this motion", "REF.csv"},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
-        {NULL},
+        G_OPTION_ENTRY_NULL,
     };
     GOptionContext *context = g_option_context_new("SCENARIO.yaml");
     g_option_context_set_summary(context, program_summary);
