@@ -1,6 +1,6 @@
 // Clouds and boxes from literals, for tests that are worked out by hand.
-#ifndef SOBOX_TESTS_CLOUD_OF_H
-#define SOBOX_TESTS_CLOUD_OF_H
+#ifndef SOBOX_TESTS_UNIT_COORDINATOR_SEARCH_CLOUD_OF_H
+#define SOBOX_TESTS_UNIT_COORDINATOR_SEARCH_CLOUD_OF_H
 
 #include "coordinator/search/cloud.h"
 
