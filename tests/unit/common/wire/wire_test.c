@@ -2,6 +2,24 @@
 
 #include "common/wire/source.h"
 
+// With which the wires are opened: everything here holds in clear and sealed.
+static struct key *shared_key;
+
+static int with_a_key(void **state)
+{
+    static const uint8_t bytes[KEY_SIZE] = {1, 2, 3};
+    (void)state;
+    shared_key = key_create(bytes);
+    return shared_key == NULL;
+}
+
+static int without_the_key(void **state)
+{
+    (void)state;
+    key_free(shared_key);
+    return 0;
+}
+
 // What the handler saw last.
 struct seen {
     struct wire *wire;
@@ -36,6 +54,7 @@ static struct wire *wire_all(struct seen *seen, uint32_t mtu)
     struct wire_settings settings = wire_settings_default();
     struct wire *wire = NULL;
     settings.mtu = mtu;
+    settings.key = shared_key;
     assert_int_equal(wire_open(&wire, &settings, MESSAGE_SENDER, NULL), STATUS_OK);
     *seen = (struct seen){.wire = wire, .answer = WIRE_KIND_COUNT};
     for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++)
@@ -256,5 +275,6 @@ int main(void)
         cmocka_unit_test(source_delivers_in_the_main_loop),
         cmocka_unit_test(unusable_settings_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failed = cmocka_run_group_tests_name("in clear", tests, NULL, NULL);
+    return failed + cmocka_run_group_tests_name("sealed", tests, with_a_key, without_the_key);
 }
