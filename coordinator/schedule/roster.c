@@ -10,11 +10,15 @@ enum {
     ROSTER_FORGET_SILENCES = 200, // silences after which one that is gone is forgotten: 10 minutes
                                   // at 3 s, longer than a reboot
     ROSTER_QUEUE_MAX = 65536,     // what a worker may claim to have waiting
+    ROSTER_THREADS_MAX = 4096,    // and to compute with: more than any machine has
 };
 
 // What a rate is counted in: what one core is thought to do. Rates are integers so that the total
 // is exact whatever comes and goes.
 #define ROSTER_RATE_CORE 1e6
+
+// The greatest rate of one worker, a million cores: whatever workers claim, the total fits.
+#define ROSTER_RATE_MAX 1e12
 
 // What is more than this ranks as this [ns]; stalled workers rank behind it.
 #define ROSTER_LOAD_MAX (INT64_C(1) << 60)
@@ -103,7 +107,8 @@ static void roster_rank(struct roster *roster, struct roster_worker *worker)
     roster->rate_total -= worker->rate;
     worker->rate = 0;
     if (worker->state == ROSTER_WORKING && !roster_stalled(worker))
-        worker->rate = 1 + (uint64_t)(ROSTER_RATE_CORE / roster_service(roster, worker));
+        worker->rate =
+            1 + (uint64_t)fmin(ROSTER_RATE_CORE / roster_service(roster, worker), ROSTER_RATE_MAX);
     roster->rate_total += worker->rate;
 
     if (!worker_room(roster, worker)) {
@@ -147,7 +152,7 @@ struct roster_worker *roster_add(struct roster *roster, uint64_t id, const char 
     struct roster_worker *worker = g_new0(struct roster_worker, 1);
     worker->id = id;
     worker_set_name(worker, name);
-    worker->threads = threads > 0 ? threads : 1;
+    worker->threads = CLAMP(threads, 1, ROSTER_THREADS_MAX);
     worker->state = state;
     worker->heard_ns = now_ns;
     worker->outcome_ns = INT64_MIN;

@@ -578,6 +578,27 @@ static void absurd_service_time_is_bounded_by_what_was_seen(void **state)
     assert_int_equal(counters().released, 1);
 }
 
+// Workers that claim absurd numbers of threads and times get their batches, and so does one that is
+// honest: nothing overflows.
+static void absurd_claims_starve_nobody(void **state)
+{
+    (void)state;
+    announce(1);
+    for (uint64_t worker = 2; worker < 40; worker++)
+        happen(announcement(worker, UINT32_MAX));
+    for (uint32_t step = 0; step < 20; step++) {
+        want(0, step, 100000, 1e12);
+        size_t end = desk.sent_count;
+        while (answered < end) {
+            desk.now_ns += MS;
+            answer(desk.sent[answered], desk.sent[answered].worker == 1 ? MS : 0);
+            answered++;
+        }
+    }
+    assert_true(sent_to(1) > 0);
+    assert_true(sent_to(2) > 0);
+}
+
 // Silence ends a worker's leases; its batches go to the others, and a person is told.
 static void silent_worker_loses_its_leases(void **state)
 {
@@ -1000,6 +1021,7 @@ int main(void)
         TEST(outcome_from_unknown_worker_counts),
         TEST(foreign_outcomes_are_ignored),
         TEST(absurd_service_time_is_bounded_by_what_was_seen),
+        TEST(absurd_claims_starve_nobody),
         TEST(silent_worker_loses_its_leases),
         TEST(worker_heard_after_silence_is_taken_back),
         TEST(outcomes_are_signs_of_life),
