@@ -1,6 +1,7 @@
-// The samples of a step, drawn from a box. Sample i of a step is a function of (seed, search, step,
-// i, variable) alone, so that any worker makes any part of a step and the coordinator makes it
-// again when it trims.
+// The samples of a step, drawn from a box. Sample i of a step is a function of (seed, step, i,
+// variable) alone, so that any worker makes any part of a step and the coordinator makes it again
+// when it trims. The number of the search in its run has no part in it: a case of a sweep gives the
+// same bits as its scenario run alone, and cases with one seed are compared on the same numbers.
 #ifndef SOBOX_WORKER_SAMPLING_SAMPLING_H
 #define SOBOX_WORKER_SAMPLING_SAMPLING_H
 
@@ -12,7 +13,7 @@
 
 struct sampling {
     uint64_t seed;
-    uint32_t search;  // index of the search in its run
+    uint32_t search;  // index of the search in its run: names the step, changes no sample
     uint32_t step;    // of the search, over all phases
     uint32_t samples; // of the whole step: a Latin hypercube has that many strata
     enum scenario_sampling method;

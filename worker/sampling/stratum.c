@@ -21,7 +21,7 @@ void stratum_init(struct stratum *stratum, const struct sampling *sampling, uint
     stratum->low_bits = bits - bits / 2;
     stratum->low_mask = (UINT32_C(1) << stratum->low_bits) - 1;
     stratum->high_mask = (UINT32_C(1) << bits / 2) - 1;
-    const uint32_t counter[4] = {STRATUM_COUNTER | variable, 0, sampling->step, sampling->search};
+    const uint32_t counter[4] = {STRATUM_COUNTER | variable, 0, sampling->step, 0};
     const uint32_t key[2] = {(uint32_t)sampling->seed, (uint32_t)(sampling->seed >> 32)};
     random_philox(counter, key, stratum->key);
 }

@@ -10,7 +10,8 @@ void uniform_block(const struct sampling *sampling, uint32_t variable, uint32_t 
     assert(variable % 2 == 0);
     const uint32_t key[2] = {(uint32_t)sampling->seed, (uint32_t)(sampling->seed >> 32)};
     for (uint32_t i = 0; i < UNIFORM_BLOCK; i++) {
-        const uint32_t counter[4] = {variable / 2, first + i, sampling->step, sampling->search};
+        // The 0 is where random_uniform() has the search: see sampling.h.
+        const uint32_t counter[4] = {variable / 2, first + i, sampling->step, 0};
         uint32_t block[4];
         random_philox(counter, key, block);
         even[i] = random_unit(block[0], block[1]);

@@ -32,10 +32,24 @@ static void uniform_samples_follow_the_definition(void **state)
     sampling_fill(&sampling, &box, 77, 129, values, 130);
     for (uint32_t v = 0; v < VARIABLES; v++) {
         for (uint32_t i = 0; i < 129; i++) {
-            double unit = random_uniform(42, 3, 17, 77 + i, v);
+            double unit = random_uniform(42, 0, 17, 77 + i, v);
             double expected = lower[v] + unit * (upper[v] - lower[v]);
             assert_true(values[v * 130 + i] == expected);
         }
+    }
+}
+
+// A case of a sweep is to give the same bits as its scenario run alone, whatever its place.
+static void place_in_the_run_changes_no_sample(void **state)
+{
+    (void)state;
+    for (int method = 0; method <= SCENARIO_SAMPLING_SOBOL; method++) {
+        struct sampling sampling = sampling_of((enum scenario_sampling)method, 100);
+        double one[VARIABLES * 100], other[VARIABLES * 100];
+        sampling_fill(&sampling, &box, 0, 100, one, 100);
+        sampling.search = 99999;
+        sampling_fill(&sampling, &box, 0, 100, other, 100);
+        assert_memory_equal(one, other, sizeof one);
     }
 }
 
@@ -152,6 +166,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(uniform_samples_follow_the_definition),
+        cmocka_unit_test(place_in_the_run_changes_no_sample),
         cmocka_unit_test(any_part_equals_the_whole),
         cmocka_unit_test(samples_stay_in_the_box),
         cmocka_unit_test(rounding_never_passes_the_upper_bound),
