@@ -1,8 +1,8 @@
-// The way of one box from a good design to the widest box of about 75 % good designs around it.
+// The way of one box from a good design to the widest box of about 70 % good designs around it.
 //
 // Growing: the box grows, is sampled and trimmed; a growth that leaves too few good samples is
 // taken back. Coarse and quick: a point becomes a box of the right size in some ten steps.
-// Balancing: the box is sampled as it is and its sides are moved (balance.h) so that 75 % stay
+// Balancing: the box is sampled as it is and its sides are moved (balance.h) so that 70 % stay
 // good. Slow and fine: the shape settles.
 #ifndef SOBOX_COORDINATOR_SEARCH_EXPLORE_H
 #define SOBOX_COORDINATOR_SEARCH_EXPLORE_H

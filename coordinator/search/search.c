@@ -19,22 +19,24 @@ enum {
 };
 
 // The good share that exploration aims at, as a bad share.
-static const double search_explore_bad = 0.25;
+static const double search_explore_bad = 0.3;
 
-// How fast sides move against each other while exploring. The gain falls to a fifth of this while
+// How fast sides move against each other while exploring. The gain falls to a ninth of this while
 // consolidating: first the box must follow the shape of the good region, then the noise must
 // average out.
-static const double search_gain = 0.13;
-static const double search_gain_fall = 4;
+static const double search_gain = 0.16;
+static const double search_gain_fall = 8;
 
 // How fast the volume follows the good share: in exploration it has far to go; in consolidation the
-// few bad samples of a step are noise.
+// few bad samples of a step are noise, and the gain falls to a fifth.
 static const double search_explore_volume_gain = 1.2;
-static const double search_consolidate_volume_gain = 0.2; // falls as the other gain does
+static const double search_volume_gain = 0.2;
+static const double search_volume_gain_fall = 4;
 
-// The consolidation reaches its final share after this part of its steps and settles in the rest,
-// over which its boxes are averaged.
-static const double search_settle_after = 0.6;
+// The consolidation reaches its final share after the first of these parts of its steps; from the
+// second on, when the box has followed, its boxes are averaged.
+static const double search_settle_after = 0.7;
+static const double search_average_after = 0.8;
 
 // The bad share to consolidate to, as a part of what the next certificate allows: so far below it
 // that the certificate passes with near certainty, and not further.
@@ -78,7 +80,7 @@ struct search {
     uint32_t consolidate_count; // of this consolidation, in all
     double bad_from;            // bad share it starts from
     double bad_to;              // and ends at
-    struct box explored;        // what exploration ended with: about 75 % good
+    struct box explored;        // what exploration ended with: about 70 % good
     struct box average;         // of the boxes since it settled
     uint32_t average_count;     // of those boxes
     uint32_t trial_steps;       // left of the trial of a box without known bad samples
@@ -290,7 +292,7 @@ static double bad_share_wanted(const struct search *search)
     share = share > least ? share : least;
     // Each miss shows that the box comes out worse than it was meant to.
     for (uint32_t look = 0; look < search->certificate.looks; look++)
-        share *= 0.7;
+        share *= 0.9;
     return share;
 }
 
@@ -509,12 +511,12 @@ static void complete_explore(struct search *search)
 static void balance_once(struct search *search)
 {
     const double way = (double)search->consolidate_steps / search->consolidate_count;
-    const double fall = 1 + search_gain_fall * way;
-    explore_once(search, (struct explore_step){
-                             .bad_share = bad_share_now(search),
-                             .gain = search_gain / fall,
-                             .volume_gain = search_consolidate_volume_gain / fall,
-                         });
+    explore_once(search,
+                 (struct explore_step){
+                     .bad_share = bad_share_now(search),
+                     .gain = search_gain / (1 + search_gain_fall * way),
+                     .volume_gain = search_volume_gain / (1 + search_volume_gain_fall * way),
+                 });
 }
 
 // Takes the box as it stands into the average (Polyak and Juditsky, 1992: the average of the last
@@ -534,7 +536,8 @@ static void take_average(struct search *search)
 // The last steps of a consolidation, in which the box only has to come to rest.
 static void settle(struct search *search)
 {
-    if (search->trial_steps == 0)
+    const double way = (double)search->consolidate_steps / search->consolidate_count;
+    if (search->trial_steps == 0 && way > search_average_after)
         take_average(search);
     const uint32_t left = search->consolidate_count - search->consolidate_steps;
     if (left == SEARCH_TRIAL_STEPS) {
