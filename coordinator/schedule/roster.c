@@ -51,6 +51,7 @@ void roster_fini(struct roster *roster)
         worker_free(worker);
     g_hash_table_destroy(roster->workers);
     heap_fini(&roster->room);
+    heap_fini(&roster->idle);
     *roster = (struct roster){0};
 }
 
@@ -111,6 +112,11 @@ static void roster_rank(struct roster *roster, struct roster_worker *worker)
             1 + (uint64_t)fmin(ROSTER_RATE_CORE / roster_service(roster, worker), ROSTER_RATE_MAX);
     roster->rate_total += worker->rate;
 
+    if (worker->state == ROSTER_WORKING && worker->lease_count == 0 && worker->queue == 0)
+        heap_put(&roster->idle, &worker->idle_rank, roster_stalled(worker));
+    else
+        heap_remove(&roster->idle, &worker->idle_rank);
+
     if (!worker_room(roster, worker)) {
         heap_remove(&roster->room, &worker->rank);
         return;
@@ -157,7 +163,7 @@ struct roster_worker *roster_add(struct roster *roster, uint64_t id, const char 
     worker->heard_ns = now_ns;
     worker->outcome_ns = INT64_MIN;
     worker->leases = g_new0(struct lease *, roster->settings->window_max);
-    worker->rank.tie = roster->joined++;
+    worker->rank.tie = worker->idle_rank.tie = roster->joined++;
     worker->link.data = worker;
     g_hash_table_insert(roster->workers, &worker->id, worker);
     g_queue_push_tail_link(worker_queue(roster, worker), &worker->link);
@@ -256,10 +262,12 @@ struct roster_worker *roster_pick(const struct roster *roster, const struct rost
     return worker_of_rank(second);
 }
 
-bool roster_idle(const struct roster_worker *worker)
+struct roster_worker *roster_idle(const struct roster *roster)
 {
-    return worker->state == ROSTER_WORKING && worker->lease_count == 0 && worker->queue == 0 &&
-           !roster_stalled(worker);
+    struct heap_entry *first = heap_first(&roster->idle);
+    if (first == NULL)
+        return NULL;
+    return (struct roster_worker *)((char *)first - offsetof(struct roster_worker, idle_rank));
 }
 
 struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns)

@@ -12,10 +12,11 @@
 // once and a worker that comes back is known, with its rate; then they are forgotten. A worker that
 // was started anew has a new sender number and is another worker.
 //
-// A working one that let two leases lapse in a row and was not heard in between is stalled: it gets
-// one batch at a time and only when nobody else has room, until it answers or says that it has
-// nothing to do. Without this a worker that hangs would look idle and draw all that is handed out
-// again.
+// A working one that let three batches in a row go late or lapse, and was not heard to work in
+// between, is stalled: it gets one batch at a time, and only when nobody else has room, or a copy
+// of a late one when it is idle, until it answers or says that it has nothing to do. Without this a
+// worker that hangs or died would look idle and hold up every step until its silence is long
+// enough.
 #ifndef SOBOX_COORDINATOR_SCHEDULE_ROSTER_H
 #define SOBOX_COORDINATOR_SCHEDULE_ROSTER_H
 
@@ -31,7 +32,8 @@ enum {
     ROSTER_WORKER_MAX =
         65536,              // known at once; a newcomer then replaces the one gone for longest, and
                             // is ignored when nobody is gone: strangers cannot fill the memory
-    ROSTER_STALL_COUNT = 2, // lapses in a row that make a worker stalled: one is a lost packet
+    ROSTER_STALL_COUNT = 3, // in a row that make a worker stalled: with 10 % loss each way one
+                            // batch in five fails, three in a row fail once in 150
 };
 
 enum roster_state {
@@ -55,7 +57,7 @@ struct roster_worker {
     int64_t outcome_ns;      // last outcome
     struct estimate service; // its time for what a core is thought to do in 1 ns [ns / ns]
     struct estimate delay;   // from lease to outcome, beyond the work expected [ns]
-    uint32_t stalls;         // leases that lapsed since it was heard to work
+    uint32_t stalls;         // leases late or lapsed since it was heard to work
 
     // What it holds.
     struct lease **leases; // (lease_count) of at most window_max
@@ -63,9 +65,10 @@ struct roster_worker {
     int64_t load_ns; // the work in them, as one core is thought to do it
 
     // Its places in the roster.
-    uint64_t rate; // its part of rate_total; 0 when it has none
-    GList link;    // in `heard` or `gone`
-    struct heap_entry rank;
+    uint64_t rate;               // its part of rate_total; 0 when it has none
+    GList link;                  // in `heard` or `gone`
+    struct heap_entry rank;      // in `room`
+    struct heap_entry idle_rank; // in `idle`
 };
 
 struct roster {
@@ -73,6 +76,7 @@ struct roster {
     GHashTable *workers;  // id -> struct roster_worker, owned
     GQueue heard;         // working ones, the one not heard for longest first
     GQueue gone;          // the others, likewise
+    struct heap idle;     // those of them with nothing to do, as far as one can know
     struct heap room;     // working ones with room, the least loaded first, stalled ones last
     struct estimate core; // service x threads of all: what to expect of one not measured yet
     uint64_t rate_total;  // of working ones that are not stalled
@@ -109,7 +113,8 @@ void roster_drop(struct roster *roster, struct roster_worker *worker, struct lea
 void roster_measure(struct roster *roster, struct roster_worker *worker, double cost_ns,
                     double service_ns, double delay_ns);
 
-// It worked: not stalled (any more). / A lease given at `start_ns` lapsed.
+// It worked: not stalled (any more). / What it was leased at `start_ns` lapsed, or was late when
+// another worker answered.
 void roster_answered(struct roster *roster, struct roster_worker *worker, int64_t now_ns);
 void roster_lapsed(struct roster *roster, struct roster_worker *worker, int64_t start_ns);
 
@@ -123,8 +128,9 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
 // one else. NULL when nobody has room.
 struct roster_worker *roster_pick(const struct roster *roster, const struct roster_worker *other);
 
-// Whether it has nothing to do, as far as one can know.
-bool roster_idle(const struct roster_worker *worker);
+// A working worker that has nothing to do, as far as one can know; a stalled one if there is no
+// other. NULL when there is none.
+struct roster_worker *roster_idle(const struct roster *roster);
 
 // A working worker that has been silent for too long, or NULL.
 struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns);

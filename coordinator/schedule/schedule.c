@@ -298,10 +298,25 @@ static void outcome_measure(struct schedule *schedule, const struct schedule_eve
     worker_passed(schedule, worker, order);
 }
 
+// Ends the leases that others still have of a batch that was answered. Who was late with it has let
+// it lapse, only that nobody had to wait for it.
+static void outcome_end_leases(struct schedule *schedule, struct backlog_batch *batch)
+{
+    for (uint32_t i = 0; i < LEASE_KEPT_MAX; i++) {
+        struct lease *lease = &batch->leases[i];
+        struct roster_worker *worker = lease->worker;
+        if (worker == NULL)
+            continue;
+        lease_end(&schedule->book, &schedule->roster, lease);
+        if (lease->late)
+            roster_lapsed(&schedule->roster, worker, lease->start_ns);
+    }
+}
+
 static void outcome_count(struct schedule *schedule, const struct schedule_event *event,
                           struct backlog_batch *batch)
 {
-    batch_end_leases(schedule, batch);
+    outcome_end_leases(schedule, batch);
     backlog_move(&schedule->backlog, batch, BACKLOG_COUNTED);
     effect_add(schedule, SCHEDULE_EFFECT_COUNT)->count.batch = event->outcome.batch;
     schedule->counters.batches_counted++;
@@ -428,8 +443,8 @@ static bool dispatch_cut(struct schedule *schedule)
 
 static bool dispatch_copy(struct schedule *schedule)
 {
-    struct roster_worker *worker = roster_pick(&schedule->roster, NULL);
-    if (worker == NULL || !roster_idle(worker) || schedule->backlog.late.head == NULL)
+    struct roster_worker *worker = roster_idle(&schedule->roster);
+    if (worker == NULL || schedule->backlog.late.head == NULL)
         return false;
     struct backlog_batch *batch = schedule->backlog.late.head->data;
     backlog_set_late(&schedule->backlog, batch, false);

@@ -861,6 +861,59 @@ static void stalled_worker_is_avoided(void **state)
     assert_true(sent_to(1) > before);
 }
 
+// A worker that was killed holds up a few small steps, not every one until its silence is long
+// enough: when copies answer in its place, it is stalled too.
+static void killed_worker_holds_up_few_steps(void **state)
+{
+    (void)state;
+    warm_up(2, 1000);
+    int64_t start_ns = desk.now_ns;
+    for (uint32_t step = 0; step < 100; step++) {
+        want(0, step, 200, 1000);
+        while (desk.steps_done <= step) {
+            pass(MS);
+            for (; answered < desk.sent_count; answered++) {
+                if (desk.sent[answered].worker == 2)
+                    answer(desk.sent[answered], MS / 10);
+            }
+        }
+    }
+    assert_in_range(sent_to(1), 3, 4);
+    assert_true(desk.now_ns - start_ns < 200 * MS);
+    // An announcement that it is there with nothing to do brings it back.
+    announce(1);
+    uint32_t before = sent_to(1);
+    want(0, 100, 200, 1000);
+    assert_int_equal(sent_to(1), before + 1);
+}
+
+// A stalled worker that is idle may prove itself on a copy of a late batch.
+static void stalled_worker_proves_itself_on_a_copy(void **state)
+{
+    (void)state;
+    warm_up(2, 1000);
+    for (uint32_t step = 0; step < 3; step++) {
+        desk.now_ns += MS;
+        want(0, step, 200, 1000);
+        pass(20 * MS);
+        // Worker 2 answers its own part, then the copy that it is given at once.
+        for (; answered < desk.sent_count; answered++) {
+            if (desk.sent[answered].worker == 2)
+                answer(desk.sent[answered], MS / 10);
+        }
+    }
+    assert_int_equal(desk.steps_done, 3);
+    want(0, 3, 200, 1000);
+    assert_int_equal(last_sent(0).worker, 2);
+    assert_int_equal(last_sent(0).batch.count, 200);
+    pass(50 * MS);
+    assert_int_equal(last_sent(0).worker, 1);
+    answer(last_sent(0), MS / 5);
+    assert_int_equal(desk.steps_done, 4);
+    want(0, 4, 200, 1000);
+    assert_true(last_sent(0).batch.count < 200);
+}
+
 // A coordinator that was stopped for a minute does not blame its workers: their outcomes and
 // announcements of that time still wait to be read.
 static void own_pause_is_not_held_against_workers(void **state)
@@ -1036,6 +1089,8 @@ int main(void)
         TEST(short_hiccup_makes_no_copies),
         TEST(overtaken_batch_is_handed_out_again),
         TEST(stalled_worker_is_avoided),
+        TEST(killed_worker_holds_up_few_steps),
+        TEST(stalled_worker_proves_itself_on_a_copy),
         TEST(own_pause_is_not_held_against_workers),
         TEST(cancelled_step_leaves_nothing),
         TEST(huge_step_does_not_hold_up_small_ones),
