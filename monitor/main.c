@@ -88,10 +88,29 @@ static void heard(void *user, enum wire_kind kind, const void *message)
         feed_worker_heard(&monitor->feed, message, now_ns);
 }
 
+static void count_own(struct monitor *monitor, int64_t now_ns)
+{
+    struct wire_counters counters;
+    wire_counters(monitor->wire, &counters);
+    feed_own_counted(&monitor->feed,
+                     &(struct feed_own){
+                         .received = counters.received,
+                         .rejected = counters.rejected,
+                         .foreign = counters.foreign,
+                         .unopened = counters.unopened,
+                         .lost = counters.lost,
+                         .dropped = counters.dropped,
+                         .buffer_size = counters.buffer_size,
+                     },
+                     now_ns);
+}
+
 static gboolean show(gpointer user)
 {
     struct monitor *monitor = user;
     const int64_t now_ns = clock_monotonic_ns();
+    count_own(monitor, now_ns);
+    feed_tick(&monitor->feed, now_ns);
     if (monitor->options.json) {
         lines_print_json(&monitor->feed, now_ns, (double)clock_calendar_ns() / 1e9, stdout);
     } else if (lines_print(&monitor->feed, now_ns - CLOCK_SECOND_NS, now_ns, stdout) > 0) {
@@ -99,7 +118,7 @@ static gboolean show(gpointer user)
     } else if (!monitor->silence_said) {
         monitor->silence_said = TRUE;
         printf("no run is heard on %s; %u workers\n", monitor->options.url,
-               monitor->feed.workers->len);
+               monitor->feed.workers.entries->len);
     }
     fflush(stdout);
     return G_SOURCE_CONTINUE;

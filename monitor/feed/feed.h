@@ -1,10 +1,18 @@
 // What a monitor knows: the runs, searches and workers it has heard of, from the status messages
-// alone. Pure: messages and time come in, the picture is read out. It only listens, so any number
-// of monitors may come and go without a run noticing.
+// alone. Pure: messages and time come in, the picture is read out (problem.h says what is wrong in
+// it). It only listens, so any number of monitors may come and go without a run noticing.
 //
-// Everything is bounded. When a table is full the entry unheard for longest makes room.
+// Everything is bounded, and a message costs the same however much is known: entries are found by
+// key (table.h), courses over time thin themselves out (history.h).
+//
+// Messages may be lost, doubled and late. One that is older than what is shown is dropped; who
+// reads the feed never sees a run turn back, but where its coordinator was started anew.
 #ifndef SOBOX_MONITOR_FEED_FEED_H
 #define SOBOX_MONITOR_FEED_FEED_H
+
+#include "common/numeric/digest.h"
+#include "monitor/feed/history.h"
+#include "monitor/feed/table.h"
 
 #include "sobox_run_status_t.h"
 #include "sobox_search_status_t.h"
@@ -18,26 +26,70 @@ enum {
     FEED_RUN_MAX = 64,
     FEED_SEARCH_MAX = 16384, // of all runs
     FEED_WORKER_MAX = 4096,
+    FEED_STEP_MAX = 512, // points of a search's course: with all searches at most 200 MB
+    FEED_PACE_MAX = 600, // points of a run's course: ten minutes second by second
+};
+
+// Who has not been heard for so long is silent: three status messages missed. [ns]
+#define FEED_SILENCE_NS INT64_C(3000000000)
+// A silent worker is forgotten after this time, one that said good-bye after the shorter. [ns]
+#define FEED_FORGET_NS INT64_C(600000000000)
+#define FEED_LEFT_NS INT64_C(30000000000)
+
+enum feed_state { // as in run_status_t.lcm
+    FEED_STATE_RUNNING,
+    FEED_STATE_WAITING,
+    FEED_STATE_DONE,
+    FEED_STATE_INTERRUPTED,
+    FEED_STATE_FAILED,
+};
+
+// Which message an entry shows, so that older ones are known as such.
+struct feed_origin {
+    uint64_t sender, sender_before; // 0: none
+    uint32_t sequence;
+};
+
+// Counts of the last ten seconds or so: they fade instead of ending, so that nothing jumps.
+struct feed_recent {
+    double received, lost, released;
 };
 
 struct feed_worker {
-    uint64_t id;   // its sender number
-    char name[96]; // host/process
+    struct table_entry entry; // key: its sender number
+    uint64_t changed;         // feed->version when it was last heard
+    char name[96];            // host/process
+    struct digest fingerprint;
     uint32_t threads;
     uint32_t queue; // batches waiting and in work
     uint64_t batches, samples;
-    double rate;      // samples a second, between its last two messages
-    double busy;      // share of that time spent evaluating, 0 .. 1
-    uint64_t lost;    // messages it knows it missed
-    uint64_t dropped; // datagrams its kernel dropped
-    bool left;        // it said that it ends
+    double rate;          // samples a second, between its last two messages
+    double busy;          // share of that time spent evaluating, 0 .. 1
+    uint64_t lost;        // messages it knows it missed
+    uint64_t dropped;     // datagrams its kernel dropped
+    uint32_t buffer_size; // receive buffer its kernel granted [bytes]
+    bool left;            // it said that it ends
     int64_t heard_ns;
     int64_t busy_ns, uptime_ns; // as it last said
+    uint32_t idle;              // messages in a row that show it with nothing to do
+    struct feed_recent recent;
+    struct feed_origin origin;
+};
+
+// A point of a search's course.
+struct feed_step {
+    uint32_t step;
+    int32_t phase; // enum search_phase
+    double good_share;
+    double log_volume;
 };
 
 struct feed_search {
+    struct table_entry entry; // keys: run and index
+    uint64_t changed;
     uint64_t run;
     uint32_t index;
+    struct digest scenario;
     int phase;  // enum search_phase
     int status; // enum search_status
     uint32_t step, step_count;
@@ -46,27 +98,54 @@ struct feed_search {
     double log_volume;
     double purity_lower95; // 0 until certified
     GArray *bounds;        // double: lower, then upper; empty where the box was too large to travel
+    struct history steps;  // struct feed_step, one a step heard of
+    int64_t first_ns;      // when it was first heard, and at which step
+    uint32_t first_step;
     int64_t heard_ns;
+    struct feed_origin origin;
+};
+
+// A point of a run's course.
+struct feed_pace {
+    double elapsed_s;
+    double rate;       // samples a second
+    double lost_share; // of the coordinator's messages, lately
+    double released;   // batches handed out again, so far
 };
 
 struct feed_run {
+    struct table_entry entry; // key: its number
+    uint64_t changed;
     uint64_t id;
     char name[64];
-    int state; // as in run_status_t.lcm
+    struct digest fingerprint; // of the coordinator's kernel
+    int state;                 // enum feed_state
     uint32_t searches, searches_done;
     uint32_t workers, workers_refused;
     uint64_t samples, batches, released, duplicates, rejected, lost;
     double rate; // samples a second, between its last two messages
-    int64_t elapsed_ns;
+    int64_t elapsed_ns, service_ns;
     int64_t heard_ns;
+    struct history pace; // struct feed_pace, one a message
+    struct feed_recent recent;
+    struct feed_origin origin;
 };
 
-// Read-only to all but the functions below. Entries stand in the order in which they were first
-// heard.
+// How well the monitor itself hears; all 0 where it hears nothing by nature.
+struct feed_own {
+    uint64_t received, rejected, foreign, unopened, lost, dropped;
+    uint32_t buffer_size; // [bytes]
+};
+
+// Read-only to all but the functions below.
 struct feed {
-    GPtrArray *runs;     // struct feed_run *
-    GPtrArray *searches; // struct feed_search *
-    GPtrArray *workers;  // struct feed_worker *
+    struct table runs;     // struct feed_run
+    struct table searches; // struct feed_search
+    struct table workers;  // struct feed_worker
+    struct feed_own own;
+    struct feed_recent own_recent;
+    int64_t own_ns;
+    uint64_t version; // grows with each change of the above
 };
 
 void feed_init(struct feed *feed);
@@ -77,7 +156,33 @@ void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_
 void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns);
 void feed_worker_heard(struct feed *feed, const sobox_worker_status_t *message, int64_t now_ns);
 
-// The search of a run, or NULL.
+// How well this monitor hears, once a second or so.
+void feed_own_counted(struct feed *feed, const struct feed_own *own, int64_t now_ns);
+
+// Time passed: workers that are gone are forgotten.
+void feed_tick(struct feed *feed, int64_t now_ns);
+
+// The run or the search of a run, or NULL.
+const struct feed_run *feed_run_find(const struct feed *feed, uint64_t run);
 const struct feed_search *feed_search_find(const struct feed *feed, uint64_t run, uint32_t index);
+
+// The i-th entry, in the order of first hearing.
+const struct feed_run *feed_run_at(const struct feed *feed, guint i);
+const struct feed_search *feed_search_at(const struct feed *feed, guint i);
+const struct feed_worker *feed_worker_at(const struct feed *feed, guint i);
+
+// Whether the run's coordinator should still be talking.
+bool feed_run_active(const struct feed_run *run);
+
+// Seconds that are left by the pace so far; negative where nothing can be said. [s]
+double feed_run_left_s(const struct feed *feed, const struct feed_run *run);
+
+// Of what was sent lately, the share that was lost, 0 .. 1.
+double feed_recent_lost_share(const struct feed_recent *recent);
+
+// Words for the numbers of the messages; "unknown" for one that has none.
+const char *feed_state_name(int state);
+const char *feed_phase_name(int phase);
+const char *feed_status_name(int status);
 
 #endif

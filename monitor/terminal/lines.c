@@ -1,46 +1,23 @@
 #include "monitor/terminal/lines.h"
 
-#include "coordinator/search/search.h"
+#include "monitor/feed/problem.h"
 
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
 
-static const int64_t SILENCE_NS = INT64_C(3000000000); // three status messages missed
-
-static const char *state_name(int state)
-{
-    static const char *const names[] = {"running", "waiting for workers", "done", "interrupted",
-                                        "failed"};
-    return state >= 0 && (size_t)state < G_N_ELEMENTS(names) ? names[state] : "unknown";
-}
-
-static const char *phase_name(int phase)
-{
-    return phase >= SEARCH_PHASE_SEEK && phase <= SEARCH_PHASE_DONE
-               ? search_phase_name((enum search_phase)phase)
-               : "unknown";
-}
-
-static const char *status_name(int status)
-{
-    return status >= SEARCH_STATUS_RUNNING && status <= SEARCH_STATUS_NO_GOOD_DESIGN
-               ? search_status_name((enum search_status)status)
-               : "unknown";
-}
-
 static void print_search(const struct feed_search *search, FILE *out)
 {
     fprintf(out, " | %s, step %u of about %u | %.0f %% good | ln(volume) %.2f",
-            phase_name(search->phase), search->step, search->step_count, 100 * search->good_share,
-            search->log_volume);
+            feed_phase_name(search->phase), search->step, search->step_count,
+            100 * search->good_share, search->log_volume);
     if (search->purity_lower95 > 0)
         fprintf(out, " | purity >= %.4f", search->purity_lower95);
 }
 
 static void print_run(const struct feed *feed, const struct feed_run *run, FILE *out)
 {
-    fprintf(out, "%s: %s", run->name, state_name(run->state));
+    fprintf(out, "%s: %s", run->name, feed_state_name(run->state));
     if (run->searches > 1) {
         fprintf(out, " | %u of %u searches done", run->searches_done, run->searches);
     } else {
@@ -50,8 +27,6 @@ static void print_run(const struct feed *feed, const struct feed_run *run, FILE 
     }
     fprintf(out, " | %" PRIu64 " designs, %.0f/s | %u workers", run->samples, run->rate,
             run->workers);
-    if (run->workers_refused > 0)
-        fprintf(out, ", %u refused: their sobox differs", run->workers_refused);
     if (run->released > 0)
         fprintf(out, " | %" PRIu64 " batches handed out again", run->released);
     if (run->lost > 0)
@@ -61,24 +36,17 @@ static void print_run(const struct feed *feed, const struct feed_run *run, FILE 
 
 static void print_problems(const struct feed *feed, int64_t now_ns, FILE *out)
 {
-    for (guint i = 0; i < feed->workers->len; i++) {
-        const struct feed_worker *worker = feed->workers->pdata[i];
-        if (!worker->left && now_ns - worker->heard_ns > SILENCE_NS)
-            fprintf(out, "  worker %s is silent since %.0f s\n", worker->name,
-                    (double)(now_ns - worker->heard_ns) / 1e9);
-        if (worker->dropped > 0)
-            fprintf(out,
-                    "  worker %s: its system dropped %" PRIu64
-                    " datagrams: raise net.core.rmem_max there\n",
-                    worker->name, worker->dropped);
-    }
+    GArray *problems = problem_list(feed, now_ns);
+    for (guint i = 0; i < problems->len; i++)
+        fprintf(out, "  %s\n", g_array_index(problems, struct problem, i).text);
+    g_array_free(problems, TRUE);
 }
 
 unsigned lines_print(const struct feed *feed, int64_t since_ns, int64_t now_ns, FILE *out)
 {
     unsigned count = 0;
-    for (guint i = 0; i < feed->runs->len; i++) {
-        const struct feed_run *run = feed->runs->pdata[i];
+    for (guint i = 0; i < feed->runs.entries->len; i++) {
+        const struct feed_run *run = feed_run_at(feed, i);
         if (run->heard_ns < since_ns)
             continue;
         print_run(feed, run, out);
@@ -97,53 +65,64 @@ static json_t *number(double value)
 
 static json_t *search_json(const struct feed_search *search)
 {
-    return json_pack("{s:I, s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "search",
-                     (json_int_t)search->index, "phase", phase_name(search->phase), "status",
-                     status_name(search->status), "step", (json_int_t)search->step, "step_count",
-                     (json_int_t)search->step_count, "evaluations", (json_int_t)search->evaluations,
-                     "good_share", number(search->good_share), "log_volume",
-                     number(search->log_volume), "purity_lower95", number(search->purity_lower95));
+    return json_pack(
+        "{s:I, s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "search", (json_int_t)search->index,
+        "phase", feed_phase_name(search->phase), "status", feed_status_name(search->status), "step",
+        (json_int_t)search->step, "step_count", (json_int_t)search->step_count, "evaluations",
+        (json_int_t)search->evaluations, "good_share", number(search->good_share), "log_volume",
+        number(search->log_volume), "purity_lower95", number(search->purity_lower95));
 }
 
 static json_t *run_json(const struct feed *feed, const struct feed_run *run)
 {
     json_t *searches = json_array();
-    for (guint i = 0; i < feed->searches->len; i++) {
-        const struct feed_search *search = feed->searches->pdata[i];
+    for (guint i = 0; i < feed->searches.entries->len; i++) {
+        const struct feed_search *search = feed_search_at(feed, i);
         if (search->run == run->id)
             json_array_append_new(searches, search_json(search));
     }
-    json_t *name = json_string(run->name);
-    return json_pack("{s:o, s:s, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:o, s:o}", "name",
-                     name ? name : json_null(), "state", state_name(run->state), "samples",
-                     (json_int_t)run->samples, "workers", (json_int_t)run->workers,
-                     "workers_refused", (json_int_t)run->workers_refused, "released",
-                     (json_int_t)run->released, "rate", number(run->rate), "lost",
-                     (json_int_t)run->lost, "searches_done", (json_int_t)run->searches_done,
-                     "elapsed_s", number((double)run->elapsed_ns / 1e9), "searches", searches);
+    return json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:o, s:o}", "name", run->name,
+                     "state", feed_state_name(run->state), "samples", (json_int_t)run->samples,
+                     "workers", (json_int_t)run->workers, "workers_refused",
+                     (json_int_t)run->workers_refused, "released", (json_int_t)run->released,
+                     "rate", number(run->rate), "lost", (json_int_t)run->lost, "searches_done",
+                     (json_int_t)run->searches_done, "elapsed_s",
+                     number((double)run->elapsed_ns / 1e9), "searches", searches);
 }
 
 static json_t *worker_json(const struct feed_worker *worker, int64_t now_ns)
 {
-    json_t *name = json_string(worker->name);
-    return json_pack(
-        "{s:o, s:I, s:I, s:I, s:o, s:o, s:I, s:I, s:b, s:o}", "name", name ? name : json_null(),
-        "threads", (json_int_t)worker->threads, "queue", (json_int_t)worker->queue, "samples",
-        (json_int_t)worker->samples, "rate", number(worker->rate), "busy", number(worker->busy),
-        "lost", (json_int_t)worker->lost, "dropped", (json_int_t)worker->dropped, "left",
-        worker->left, "heard_s_ago", number((double)(now_ns - worker->heard_ns) / 1e9));
+    return json_pack("{s:s, s:I, s:I, s:I, s:o, s:o, s:I, s:I, s:b, s:o}", "name", worker->name,
+                     "threads", (json_int_t)worker->threads, "queue", (json_int_t)worker->queue,
+                     "samples", (json_int_t)worker->samples, "rate", number(worker->rate), "busy",
+                     number(worker->busy), "lost", (json_int_t)worker->lost, "dropped",
+                     (json_int_t)worker->dropped, "left", worker->left, "heard_s_ago",
+                     number((double)(now_ns - worker->heard_ns) / 1e9));
+}
+
+static json_t *problems_json(const struct feed *feed, int64_t now_ns)
+{
+    GArray *problems = problem_list(feed, now_ns);
+    json_t *array = json_array();
+    for (guint i = 0; i < problems->len; i++) {
+        const struct problem *problem = &g_array_index(problems, struct problem, i);
+        json_array_append_new(array, json_pack("{s:s, s:s}", "kind", problem_name(problem->kind),
+                                               "text", problem->text));
+    }
+    g_array_free(problems, TRUE);
+    return array;
 }
 
 void lines_print_json(const struct feed *feed, int64_t now_ns, double time_s, FILE *out)
 {
     json_t *runs = json_array();
-    for (guint i = 0; i < feed->runs->len; i++)
-        json_array_append_new(runs, run_json(feed, feed->runs->pdata[i]));
+    for (guint i = 0; i < feed->runs.entries->len; i++)
+        json_array_append_new(runs, run_json(feed, feed_run_at(feed, i)));
     json_t *workers = json_array();
-    for (guint i = 0; i < feed->workers->len; i++)
-        json_array_append_new(workers, worker_json(feed->workers->pdata[i], now_ns));
-    json_t *object =
-        json_pack("{s:o, s:o, s:o}", "time", number(time_s), "runs", runs, "workers", workers);
+    for (guint i = 0; i < feed->workers.entries->len; i++)
+        json_array_append_new(workers, worker_json(feed_worker_at(feed, i), now_ns));
+    json_t *object = json_pack("{s:o, s:o, s:o, s:o}", "time", number(time_s), "runs", runs,
+                               "workers", workers, "problems", problems_json(feed, now_ns));
     json_dumpf(object, out, JSON_COMPACT | JSON_REAL_PRECISION(6));
     fputc('\n', out);
     json_decref(object);

@@ -11,7 +11,8 @@
 // plain words. Returns how many runs there were.
 unsigned lines_print(const struct feed *feed, int64_t since_ns, int64_t now_ns, FILE *out);
 
-// Prints {"time": seconds since 1970, "runs": [...], "workers": [...]} on one line.
+// Prints {"time": seconds since 1970, "runs": [...], "workers": [...], "problems": [...]} on one
+// line.
 void lines_print_json(const struct feed *feed, int64_t now_ns, double time_s, FILE *out);
 
 #endif
