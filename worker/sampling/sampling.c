@@ -1,6 +1,7 @@
 #include "worker/sampling/sampling.h"
 
 #include "common/numeric/random.h"
+#include "worker/sampling/sobol.h"
 #include "worker/sampling/stratum.h"
 #include "worker/sampling/uniform.h"
 
@@ -28,7 +29,7 @@ static void stratify(const struct sampling *sampling, uint32_t variable, uint32_
         unit[i] = ((double)stratum_of(&stratum, first + i) + unit[i]) / strata;
 }
 
-// Samples first .. first + count - 1 (at most UNIFORM_BLOCK).
+// Samples first .. first + count - 1 (at most UNIFORM_BLOCK) from random numbers.
 static void fill_block(const struct sampling *sampling, const struct box *box, uint32_t first,
                        uint32_t count, double *values, size_t stride)
 {
@@ -45,12 +46,30 @@ static void fill_block(const struct sampling *sampling, const struct box *box, u
     }
 }
 
+// Any number of samples from Sobol points: preparing a variable costs more than a point of it.
+static void fill_sobol(const struct sampling *sampling, const struct box *box, uint32_t first,
+                       uint32_t count, double *values, size_t stride)
+{
+    for (uint32_t variable = 0; variable < box->count; variable++) {
+        struct sobol sobol;
+        sobol_init(&sobol, sampling, variable);
+        double *column = values + variable * stride;
+        for (uint32_t i = 0; i < count; i++)
+            column[i] = sobol_of(&sobol, first + i);
+        spread(column, count, box->lower[variable], box->upper[variable], column);
+    }
+}
+
 void sampling_fill(const struct sampling *sampling, const struct box *box, uint32_t first,
                    uint32_t count, double *values, size_t stride)
 {
     assert(stride >= count);
     assert(sampling->method != SCENARIO_SAMPLING_LATIN_HYPERCUBE ||
            (uint64_t)first + count <= sampling->samples);
+    if (sampling->method == SCENARIO_SAMPLING_SOBOL) {
+        fill_sobol(sampling, box, first, count, values, stride);
+        return;
+    }
     for (uint32_t done = 0; done < count; done += UNIFORM_BLOCK) {
         uint32_t left = count - done;
         fill_block(sampling, box, first + done, left < UNIFORM_BLOCK ? left : UNIFORM_BLOCK,
