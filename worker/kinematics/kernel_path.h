@@ -12,6 +12,8 @@ void kernel_avx2_evaluate(const struct kinematics_problem *problem, uint32_t cou
                           const double *values, double *results, size_t stride);
 void kernel_avx512_evaluate(const struct kinematics_problem *problem, uint32_t count,
                             const double *values, double *results, size_t stride);
+void kernel_avx512_single_evaluate(const struct kinematics_problem *problem, uint32_t count,
+                                   const double *values, double *results, size_t stride);
 
 // Forces of a design beyond which a path has no room and a narrower one is taken.
 uint32_t kernel_plain_value_max(void);

@@ -94,6 +94,29 @@ static void all_paths_give_the_same_bits(void **state)
     }
 }
 
+// Springs and points enough for every path to change its way: 8 x 32 points are 512 forces.
+static void paths_agree_on_large_problems(void **state)
+{
+    (void)state;
+    enum { POINTS = 32 };
+    uint64_t seed = 10;
+    double deformation[POINTS];
+    for (uint32_t i = 0; i < POINTS; i++) {
+        deformation[i] = 0.04 * i;
+    }
+    for (uint32_t springs = 1; springs <= SEDAN_SPRING_MAX; springs++) {
+        struct sedan sedan;
+        sedan_init(&sedan, springs, 2);
+        for (uint32_t i = 0; i < springs; i++) {
+            sedan.springs[i].load = (struct kinematics_curve){deformation, POINTS};
+        }
+        struct kinematics_problem *problem = kinematics_create(&sedan.setup);
+        sedan_forces(&sedan, kinematics_value_count(problem), &seed, STRIDE, values, STRIDE);
+        assert_paths_agree(problem);
+        kinematics_free(problem);
+    }
+}
+
 // Each design alone, and in blocks of every size and position, against the whole block. The short
 // cuts of the kernel look at neighbours; they must not change anything.
 static void result_does_not_depend_on_lane_or_neighbours(void **state)
@@ -347,6 +370,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_paths_give_the_same_bits),
+        cmocka_unit_test(paths_agree_on_large_problems),
         cmocka_unit_test(result_does_not_depend_on_lane_or_neighbours),
         cmocka_unit_test(columns_beyond_the_designs_are_left_alone),
         cmocka_unit_test(large_problems_are_evaluated_too),
