@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -17,6 +18,13 @@ void log_start(const char *program, enum log_level level)
     log_program = program;
     log_level_shown = level;
 }
+
+// Notes that may be shown now, and those that were left out.
+static struct {
+    int left;
+    int64_t counted_ns; // when `left` was last added to; 0 before the first note
+    uint64_t left_out;
+} log_notes = {.left = LOG_NOTES_BURST};
 
 static bool terminal(void)
 {
@@ -58,10 +66,40 @@ void log_failure(const struct error *error)
     fprintf(stderr, "%s\n", error->text);
 }
 
+// Whether there is room for one more note.
+static bool notes_take(int64_t now_ns)
+{
+    const int64_t each_ns = LOG_NOTE_EACH_MS * CLOCK_MILLISECOND_NS;
+    int64_t earned = (now_ns - log_notes.counted_ns) / each_ns;
+    if (log_notes.counted_ns == 0 || earned >= LOG_NOTES_BURST - log_notes.left) {
+        log_notes.left = LOG_NOTES_BURST;
+        log_notes.counted_ns = now_ns;
+    } else {
+        log_notes.left += (int)earned;
+        log_notes.counted_ns += earned * each_ns;
+    }
+    if (log_notes.left == 0) {
+        log_notes.left_out++;
+        return false;
+    }
+    log_notes.left--;
+    return true;
+}
+
+static void say(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void say(const char *format, ...)
+{
+    LOG_LINE("");
+}
+
 void log_note(const char *format, ...)
 {
-    if (log_level_shown < LOG_NORMAL)
+    if (log_level_shown < LOG_NORMAL ||
+        (log_level_shown < LOG_DEBUG && !notes_take(clock_monotonic_ns())))
         return;
+    if (log_notes.left_out > 0)
+        say("%" PRIu64 " notes were left out: too many at once", log_notes.left_out);
+    log_notes.left_out = 0;
     LOG_LINE("");
 }
 

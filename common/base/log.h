@@ -23,7 +23,14 @@ void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 // its line, "FILE:LINE:COLUMN: ...", so that editors find the place; any other as log_error().
 void log_failure(const struct error *error);
 
-// Something the user should know and perhaps act on: always shown but with LOG_QUIET.
+enum {
+    LOG_NOTES_BURST = 100,  // notes shown one right after the other
+    LOG_NOTE_EACH_MS = 500, // then one in so long [ms]
+};
+
+// Something the user should know and perhaps act on: always shown but with LOG_QUIET. What happens
+// on a network can give rise to notes without end; more than LOG_NOTES_BURST are left out, and the
+// next one that is shown says how many were. With LOG_DEBUG none is left out.
 void log_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 // A decision of the program, for those who look for the reason of something.
