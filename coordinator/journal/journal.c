@@ -21,6 +21,9 @@ static const char SCHEMA[] =
     "CREATE TABLE run (id INTEGER NOT NULL, name TEXT NOT NULL, version TEXT NOT NULL,"
     " state TEXT NOT NULL, search_count INTEGER NOT NULL, started_ns INTEGER NOT NULL,"
     " elapsed_ns INTEGER NOT NULL) STRICT;"
+    "CREATE TABLE axis (number INTEGER PRIMARY KEY, path TEXT NOT NULL) STRICT;"
+    "CREATE TABLE axis_value (search INTEGER NOT NULL, axis INTEGER NOT NULL, value TEXT NOT NULL,"
+    " PRIMARY KEY (search, axis)) STRICT, WITHOUT ROWID;"
     "CREATE TABLE search (number INTEGER PRIMARY KEY, name TEXT NOT NULL, scenario TEXT NOT NULL,"
     " scenario_digest BLOB NOT NULL, seed INTEGER NOT NULL,"
     " finished INTEGER NOT NULL DEFAULT 0, status TEXT NOT NULL DEFAULT 'running',"
@@ -193,7 +196,7 @@ static enum status read_number(struct journal *journal, const char *sql, int64_t
 // The file must be ours and of this version before anything in it is believed.
 static enum status check_schema(struct journal *journal, struct error *error)
 {
-    int64_t application, tables, schema;
+    int64_t application, tables;
     if (read_number(journal, "PRAGMA application_id", &application, error) != STATUS_OK ||
         read_number(journal, "SELECT count(*) FROM sqlite_schema", &tables, error) != STATUS_OK)
         return STATUS_IO;
@@ -205,13 +208,13 @@ static enum status check_schema(struct journal *journal, struct error *error)
     if (application != JOURNAL_APPLICATION_ID)
         return error_set(error, STATUS_IO, "%s: an SQLite database, but not the journal of a run",
                          journal->path);
-    if (read_number(journal, "SELECT schema FROM meta", &schema, error) != STATUS_OK)
+    if (read_number(journal, "SELECT schema FROM meta", &journal->schema, error) != STATUS_OK)
         return STATUS_IO;
-    if (schema != JOURNAL_SCHEMA)
+    if (journal->schema < 1 || journal->schema > JOURNAL_SCHEMA)
         return error_set(error, STATUS_REFUSED,
                          "%s: written in version %lld of the journal's format, this sobox reads "
-                         "version %d; use the sobox that wrote it",
-                         journal->path, (long long)schema, JOURNAL_SCHEMA);
+                         "versions 1 to %d; use the sobox that wrote it",
+                         journal->path, (long long)journal->schema, JOURNAL_SCHEMA);
     return STATUS_OK;
 }
 
@@ -331,7 +334,7 @@ static enum status run_statement(struct journal *journal, sqlite3_stmt *statemen
 }
 
 static enum status insert_run(struct journal *journal, const struct journal_run *run,
-                              struct error *error)
+                              uint32_t search_count, struct error *error)
 {
     sqlite3_stmt *statement =
         journal_prepare(journal, "INSERT INTO run VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)", error);
@@ -341,7 +344,7 @@ static enum status insert_run(struct journal *journal, const struct journal_run 
     bind_text(statement, 2, run->name);
     bind_text(statement, 3, run->version);
     bind_text(statement, 4, journal_state_name(run->state));
-    sqlite3_bind_int64(statement, 5, run->search_count);
+    sqlite3_bind_int64(statement, 5, search_count);
     sqlite3_bind_int64(statement, 6, run->started_ns);
     sqlite3_bind_int64(statement, 7, run->elapsed_ns);
     enum status status = run_statement(journal, statement, "cannot write the run", error);
@@ -349,44 +352,99 @@ static enum status insert_run(struct journal *journal, const struct journal_run 
     return status;
 }
 
-static enum status insert_searches(struct journal *journal, const struct journal_search *searches,
-                                   uint32_t count, struct error *error)
+// What is to be written at the creation.
+struct contents {
+    const struct journal_run *run;
+    const char *const *axes;
+    uint32_t axis_count;
+    journal_source *next;
+    void *user;
+};
+
+static enum status insert_axes(struct journal *journal, const struct contents *contents,
+                               struct error *error)
 {
-    sqlite3_stmt *statement =
-        journal_prepare(journal,
-                        "INSERT INTO search (number, name, scenario, scenario_digest, seed) VALUES "
-                        "(?1, ?2, ?3, ?4, ?5)",
-                        error);
-    if (statement == NULL)
-        return STATUS_IO;
-    enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
-        const struct journal_search *search = &searches[i];
-        sqlite3_bind_int64(statement, 1, search->index);
-        bind_text(statement, 2, search->name);
-        sqlite3_bind_text64(statement, 3, search->text, search->text_size, SQLITE_STATIC,
-                            SQLITE_UTF8);
-        bind_blob(statement, 4, search->scenario.bytes, DIGEST_SIZE);
-        sqlite3_bind_int64(statement, 5, (int64_t)search->seed);
-        status = run_statement(journal, statement, "cannot write a search", error);
+    sqlite3_stmt *statement = journal_prepare(journal, "INSERT INTO axis VALUES (?1, ?2)", error);
+    enum status status = statement != NULL ? STATUS_OK : STATUS_IO;
+    for (uint32_t i = 0; i < contents->axis_count && status == STATUS_OK; i++) {
+        sqlite3_bind_int64(statement, 1, i);
+        bind_text(statement, 2, contents->axes[i]);
+        status = run_statement(journal, statement, "cannot write an axis", error);
         sqlite3_reset(statement);
     }
     sqlite3_finalize(statement);
     return status;
 }
 
-static enum status create_contents(struct journal *journal, const struct journal_run *run,
-                                   const struct journal_search *searches, struct error *error)
+static enum status insert_search(struct journal *journal, sqlite3_stmt *statement,
+                                 const struct journal_search *search, struct error *error)
+{
+    sqlite3_bind_int64(statement, 1, search->index);
+    bind_text(statement, 2, search->name);
+    sqlite3_bind_text64(statement, 3, search->text, search->text_size, SQLITE_STATIC, SQLITE_UTF8);
+    bind_blob(statement, 4, search->scenario.bytes, DIGEST_SIZE);
+    sqlite3_bind_int64(statement, 5, (int64_t)search->seed);
+    enum status status = run_statement(journal, statement, "cannot write a search", error);
+    sqlite3_reset(statement);
+    return status;
+}
+
+static enum status insert_values(struct journal *journal, sqlite3_stmt *statement,
+                                 const struct journal_search *search, uint32_t axis_count,
+                                 struct error *error)
+{
+    enum status status = STATUS_OK;
+    for (uint32_t i = 0; i < axis_count && status == STATUS_OK; i++) {
+        sqlite3_bind_int64(statement, 1, search->index);
+        sqlite3_bind_int64(statement, 2, i);
+        bind_text(statement, 3, search->values[i]);
+        status = run_statement(journal, statement, "cannot write a case", error);
+        sqlite3_reset(statement);
+    }
+    return status;
+}
+
+static enum status insert_searches(struct journal *journal, const struct contents *contents,
+                                   uint32_t *count, struct error *error)
+{
+    sqlite3_stmt *searches =
+        journal_prepare(journal,
+                        "INSERT INTO search (number, name, scenario, scenario_digest, seed) VALUES "
+                        "(?1, ?2, ?3, ?4, ?5)",
+                        error);
+    sqlite3_stmt *values =
+        journal_prepare(journal, "INSERT INTO axis_value VALUES (?1, ?2, ?3)", error);
+    enum status status = searches != NULL && values != NULL ? STATUS_OK : STATUS_IO;
+    bool more = true;
+    for (*count = 0; status == STATUS_OK; ++*count) {
+        struct journal_search search = {0};
+        status = contents->next(contents->user, &search, &more, error);
+        if (status != STATUS_OK || !more)
+            break;
+        status = insert_search(journal, searches, &search, error);
+        if (status == STATUS_OK)
+            status = insert_values(journal, values, &search, contents->axis_count, error);
+    }
+    sqlite3_finalize(values);
+    sqlite3_finalize(searches);
+    return status;
+}
+
+static enum status create_contents(struct journal *journal, const struct contents *contents,
+                                   struct error *error)
 {
     char *schema = g_strdup_printf("BEGIN; PRAGMA application_id = %d; %s"
                                    "INSERT INTO meta VALUES (%d);",
                                    JOURNAL_APPLICATION_ID, SCHEMA, JOURNAL_SCHEMA);
+    uint32_t count = 0;
     enum status status = execute(journal, schema, "cannot be created", error);
     g_free(schema);
     if (status == STATUS_OK)
-        status = insert_run(journal, run, error);
+        status = insert_axes(journal, contents, error);
     if (status == STATUS_OK)
-        status = insert_searches(journal, searches, run->search_count, error);
+        status = insert_searches(journal, contents, &count, error);
+    if (status == STATUS_OK)
+        status = insert_run(journal, contents->run, count, error);
     if (status == STATUS_OK)
         status = execute(journal, "COMMIT", "cannot be created", error);
     return status;
@@ -404,8 +462,8 @@ static void remove_files(const char *path)
 }
 
 // The first pages go in without an fsync(): nothing is promised before the transaction is whole.
-static enum status create_database(struct journal *journal, const struct journal_run *run,
-                                   const struct journal_search *searches, struct error *error)
+static enum status create_database(struct journal *journal, const struct contents *contents,
+                                   struct error *error)
 {
     enum status status =
         database_open(journal, journal->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, error);
@@ -413,24 +471,29 @@ static enum status create_database(struct journal *journal, const struct journal
         status = execute(journal, "PRAGMA synchronous = OFF; PRAGMA journal_mode = WAL",
                          "cannot be created", error);
     if (status == STATUS_OK)
-        status = create_contents(journal, run, searches, error);
+        status = create_contents(journal, contents, error);
     if (status == STATUS_OK)
         status = writing_start(journal, error);
     return status;
 }
 
-enum status journal_create(struct journal **result, const char *directory,
-                           const struct journal_run *run, const struct journal_search *searches,
-                           struct error *error)
+enum status journal_create_from(struct journal **result, const char *directory,
+                                const struct journal_run *run, const char *const *axes,
+                                uint32_t axis_count, journal_source *next, void *user,
+                                struct error *error)
 {
+    assert(axis_count <= JOURNAL_AXIS_MAX);
+    const struct contents contents = {
+        .run = run, .axes = axes, .axis_count = axis_count, .next = next, .user = user};
     *result = NULL;
     struct journal *journal = journal_new(directory);
+    journal->schema = JOURNAL_SCHEMA;
     enum status status = journal_lock_take(&journal->lock, directory, error);
     if (status == STATUS_OK && access(journal->path, F_OK) == 0)
         status = error_set(error, STATUS_IO, "%s: there is a run already; choose another folder",
                            journal->path);
     else if (status == STATUS_OK) {
-        status = create_database(journal, run, searches, error);
+        status = create_database(journal, &contents, error);
         if (status != STATUS_OK) {
             sqlite3_finalize(journal->append);
             sqlite3_close(journal->database);
@@ -445,6 +508,33 @@ enum status journal_create(struct journal **result, const char *directory,
     }
     *result = journal;
     return STATUS_OK;
+}
+
+// Searches that lie one after the other in memory.
+struct listing {
+    const struct journal_search *searches;
+    uint32_t count;
+};
+
+static enum status next_listed(void *user, struct journal_search *search, bool *more,
+                               struct error *error)
+{
+    (void)error;
+    struct listing *listing = user;
+    *more = listing->count > 0;
+    if (*more) {
+        *search = *listing->searches++;
+        listing->count--;
+    }
+    return STATUS_OK;
+}
+
+enum status journal_create(struct journal **result, const char *directory,
+                           const struct journal_run *run, const struct journal_search *searches,
+                           struct error *error)
+{
+    struct listing listing = {.searches = searches, .count = run->search_count};
+    return journal_create_from(result, directory, run, NULL, 0, next_listed, &listing, error);
 }
 
 static void pack_box(GByteArray *bytes, const struct box *box)
@@ -532,6 +622,33 @@ enum status journal_finish_search(struct journal *journal, const struct journal_
     if (status == STATUS_OK && sqlite3_changes(journal->database) != 1)
         status = journal_damaged(journal, "a search of this run is missing", error);
     return status;
+}
+
+enum status journal_fail_search(struct journal *journal, uint32_t index, struct error *error)
+{
+    assert(journal->append != NULL); // opened to write
+    sqlite3_stmt *statement =
+        journal_prepare(journal, "UPDATE search SET status = 'failed' WHERE number = ?1", error);
+    if (statement == NULL)
+        return STATUS_IO;
+    sqlite3_bind_int64(statement, 1, index);
+    enum status status = run_statement(journal, statement, "cannot write a result", error);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+enum status journal_begin(struct journal *journal, struct error *error)
+{
+    assert(journal->append != NULL); // opened to write
+    return execute(journal, "BEGIN", "cannot be written", error);
+}
+
+enum status journal_commit(struct journal *journal, struct error *error)
+{
+    // SQLite takes a transaction back by itself when its disk is full.
+    if (sqlite3_get_autocommit(journal->database))
+        return STATUS_OK;
+    return execute(journal, "COMMIT", "cannot be written", error);
 }
 
 enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,

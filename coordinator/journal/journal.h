@@ -3,10 +3,14 @@
 // step's verdicts, so that a killed run is resumed by replaying them; it survives kill -9 and a
 // full disk, and can be read while the run goes on.
 //
-//   meta    schema version
-//   run     one row: id, name, program version, state, how many searches, times
-//   search  index, name of its case, scenario text and digest, seed, state and result
-//   step    (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts
+//   meta        schema version
+//   run         one row: id, name, program version, state, how many searches, times
+//   axis        of a sweep: number, path of the key that changes
+//   search      index, name of its case, scenario text and digest, seed, state and result
+//   axis_value  (search, axis), what the case has there
+//   step        (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts
+//
+// Schema 1 had no axes; it is still read and continued.
 #ifndef SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
 #define SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
 
@@ -19,7 +23,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { JOURNAL_SCHEMA = 1 };
+enum {
+    JOURNAL_SCHEMA = 2,
+    JOURNAL_AXIS_MAX = 64,   // of a sweep
+    JOURNAL_NAME_SIZE = 256, // [bytes] of a case's name with its NUL
+};
 
 enum journal_state {
     JOURNAL_STATE_RUNNING,
@@ -46,8 +54,9 @@ struct journal_run {
 // One search. On writing, text is borrowed; on reading it is owned by the struct.
 struct journal_search {
     uint32_t index;
-    char name[64]; // of its case in a sweep; "" otherwise
-    char *text;    // canonical YAML of its scenario
+    char name[JOURNAL_NAME_SIZE]; // of its case in a sweep; "" otherwise
+    const char *const *values;    // (the run's axes) of its case; borrowed, not read back
+    char *text;                   // canonical YAML of its scenario
     size_t text_size;
     struct digest scenario;
     uint64_t seed;
@@ -86,6 +95,19 @@ enum status journal_create(struct journal **journal, const char *directory,
                            const struct journal_run *run, const struct journal_search *searches,
                            struct error *error) MUST_USE;
 
+// Gives the next search of a run, or ends them with `more` false. What `search` points to is
+// borrowed until the next call.
+typedef enum status journal_source(void *user, struct journal_search *search, bool *more,
+                                   struct error *error);
+
+// The same for any number of searches, which `next` gives one after the other, and `axes`
+// (axis_count) of a sweep. run->search_count is not looked at. Another status than STATUS_OK from
+// `next` ends the creation and is returned; nothing is left behind.
+enum status journal_create_from(struct journal **journal, const char *directory,
+                                const struct journal_run *run, const char *const *axes,
+                                uint32_t axis_count, journal_source *next, void *user,
+                                struct error *error) MUST_USE;
+
 // Opens the run.db of a run folder. JOURNAL_RESUME takes the folder for this process alone, as
 // journal_create() does; JOURNAL_READ shows the run as it is at this moment, whatever comes later.
 // Errors: STATUS_IO (none there, not a database, disk), STATUS_REFUSED (another schema version;
@@ -104,6 +126,16 @@ enum status journal_append(struct journal *journal, const struct journal_step *s
 enum status journal_finish_search(struct journal *journal, const struct journal_search *search,
                                   struct error *error) MUST_USE;
 
+// Says that a search could not be carried out; it stays unfinished.
+enum status journal_fail_search(struct journal *journal, uint32_t index,
+                                struct error *error) MUST_USE;
+
+// What is written between the two is written as one, and survives kill -9 when journal_commit()
+// returns STATUS_OK: thousands of small steps a second cost one write each few. After a failure in
+// between, too, journal_commit() is to be called.
+enum status journal_begin(struct journal *journal, struct error *error) MUST_USE;
+enum status journal_commit(struct journal *journal, struct error *error) MUST_USE;
+
 // Writes how the run stands.
 enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,
                           struct error *error) MUST_USE;
@@ -114,6 +146,28 @@ enum status journal_read_run(struct journal *journal, struct journal_run *run,
 enum status journal_read_search(struct journal *journal, uint32_t index,
                                 struct journal_search *search, struct error *error) MUST_USE;
 void journal_search_fini(struct journal_search *search);
+
+// The paths of a sweep's axes, ending with NULL; none but the NULL when the run is no sweep. The
+// caller frees them with g_strfreev().
+enum status journal_read_axes(struct journal *journal, char ***axes, struct error *error) MUST_USE;
+
+// What a case has on each axis, ending with NULL, likewise.
+enum status journal_read_values(struct journal *journal, uint32_t index, char ***values,
+                                struct error *error) MUST_USE;
+
+// How a search stands, without its texts and numbers.
+struct journal_standing {
+    uint32_t index;
+    char name[JOURNAL_NAME_SIZE];
+    bool finished;
+    char status[32];
+};
+
+// Calls `visit` for each search of the run in order, as journal_read_steps() does for steps.
+typedef enum status journal_stand_visitor(void *user, const struct journal_standing *standing,
+                                          struct error *error);
+enum status journal_read_standings(struct journal *journal, journal_stand_visitor *visit,
+                                   void *user, struct error *error) MUST_USE;
 
 // Calls `visit` for each finished step of a search in order; what the step points to is borrowed
 // until it returns. Another status than STATUS_OK from `visit` ends the reading and is returned.

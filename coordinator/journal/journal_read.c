@@ -204,6 +204,105 @@ void journal_search_fini(struct journal_search *search)
     *search = (struct journal_search){0};
 }
 
+// ---- a sweep ----
+
+// A row's text, to be freed; NULL when it is none.
+static char *text_of(sqlite3_stmt *row, int column)
+{
+    const char *bytes = (const char *)sqlite3_column_text(row, column);
+    size_t length = (size_t)sqlite3_column_bytes(row, column);
+    bool is_text = sqlite3_column_type(row, column) == SQLITE_TEXT && bytes != NULL &&
+                   strlen(bytes) == length && g_utf8_validate(bytes, (gssize)length, NULL);
+    return is_text ? g_strdup(bytes) : NULL;
+}
+
+// Rows numbered from 0 on, each with a text.
+static enum status read_texts(struct journal *journal, sqlite3_stmt *rows, char ***texts,
+                              struct error *error)
+{
+    GPtrArray *list = g_ptr_array_new_null_terminated(0, g_free, TRUE);
+    enum status status = STATUS_OK;
+    int code;
+    while (status == STATUS_OK && (code = sqlite3_step(rows)) != SQLITE_DONE) {
+        char *text = NULL;
+        if (code != SQLITE_ROW)
+            status = journal_failure(journal, "cannot read an axis", error);
+        else if (list->len == JOURNAL_AXIS_MAX || sqlite3_column_int64(rows, 0) != list->len ||
+                 (text = text_of(rows, 1)) == NULL)
+            status = journal_damaged(journal, "an axis is missing or makes no sense", error);
+        else
+            g_ptr_array_add(list, text);
+    }
+    *texts = (char **)g_ptr_array_free(list, status != STATUS_OK);
+    return status;
+}
+
+static enum status read_texts_by(struct journal *journal, const char *sql, uint32_t index,
+                                 char ***texts, struct error *error)
+{
+    *texts = NULL;
+    if (journal->schema < 2) {
+        *texts = g_new0(char *, 1);
+        return STATUS_OK;
+    }
+    sqlite3_stmt *rows = journal_prepare(journal, sql, error);
+    if (rows == NULL)
+        return STATUS_IO;
+    sqlite3_bind_int64(rows, 1, index);
+    enum status status = read_texts(journal, rows, texts, error);
+    sqlite3_finalize(rows);
+    return status;
+}
+
+enum status journal_read_axes(struct journal *journal, char ***axes, struct error *error)
+{
+    return read_texts_by(journal, "SELECT number, path FROM axis WHERE ?1 = ?1 ORDER BY number", 0,
+                         axes, error);
+}
+
+enum status journal_read_values(struct journal *journal, uint32_t index, char ***values,
+                                struct error *error)
+{
+    return read_texts_by(journal,
+                         "SELECT axis, value FROM axis_value WHERE search = ?1 ORDER BY axis",
+                         index, values, error);
+}
+
+static bool standing_from_row(sqlite3_stmt *row, struct journal_standing *standing)
+{
+    uint64_t finished;
+    if (!column_u32(row, 0, &standing->index) ||
+        !column_text(row, 1, standing->name, sizeof standing->name) ||
+        !column_u64(row, 2, &finished) || finished > 1 ||
+        !column_text(row, 3, standing->status, sizeof standing->status))
+        return false;
+    standing->finished = finished == 1;
+    return true;
+}
+
+enum status journal_read_standings(struct journal *journal, journal_stand_visitor *visit,
+                                   void *user, struct error *error)
+{
+    sqlite3_stmt *rows = journal_prepare(
+        journal, "SELECT number, name, finished, status FROM search ORDER BY number", error);
+    if (rows == NULL)
+        return STATUS_IO;
+    enum status status = STATUS_OK;
+    int code = SQLITE_ROW;
+    for (uint32_t index = 0; status == STATUS_OK && (code = sqlite3_step(rows)) == SQLITE_ROW;
+         index++) {
+        struct journal_standing standing;
+        if (!standing_from_row(rows, &standing) || standing.index != index)
+            status = journal_damaged(journal, "a search is missing or makes no sense", error);
+        else
+            status = visit(user, &standing, error);
+    }
+    if (status == STATUS_OK && code != SQLITE_DONE)
+        status = journal_failure(journal, "cannot read a search", error);
+    sqlite3_finalize(rows);
+    return status;
+}
+
 // ---- steps ----
 
 // What a step points to, reused from row to row.

@@ -208,11 +208,19 @@ static enum status read_all(const char *folder, struct error *error)
     struct journal_run run = {0};
     uint64_t sum = 0;
     status = journal_read_run(journal, &run, error);
+    char **texts = NULL;
+    if (status == STATUS_OK)
+        status = journal_read_axes(journal, &texts, error);
+    g_strfreev(texts);
     for (uint32_t i = 0; i < run.search_count && status == STATUS_OK; i++) {
         struct journal_search search;
         status = journal_read_search(journal, i, &search, error);
         if (status == STATUS_OK)
             journal_search_fini(&search);
+        texts = NULL;
+        if (status == STATUS_OK)
+            status = journal_read_values(journal, i, &texts, error);
+        g_strfreev(texts);
         if (status == STATUS_OK)
             status = journal_read_steps(journal, i, pass_over, &sum, error);
     }
@@ -717,9 +725,9 @@ static void wrong_files_are_told_apart(void **state)
     folder_empty(*state);
 
     journal_close(create(*state, 1));
-    tamper(*state, "UPDATE meta SET schema = 2");
+    tamper(*state, "UPDATE meta SET schema = 3");
     read_all(*state, &error);
-    assert_error(&error, STATUS_REFUSED, "version 2");
+    assert_error(&error, STATUS_REFUSED, "version 3");
     assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_REFUSED);
 }
 
@@ -754,6 +762,8 @@ static void lies_are_found(void **state)
         "UPDATE step SET verdicts = zeroblob(2000)",
         "UPDATE step SET phase = printf('%.100c', 'x')",
         "UPDATE step SET search = 1",
+        "INSERT INTO axis VALUES (1, 'vehicle.mass')",
+        "INSERT INTO axis_value VALUES (0, 0, CAST(x'ff' AS TEXT))",
         "DROP TABLE step",
         "ALTER TABLE step RENAME COLUMN verdicts TO opinions",
     };
@@ -820,6 +830,141 @@ static void random_damage_never_crashes(void **state)
     g_free(bytes);
 }
 
+// ---- sweeps ----
+
+static const char *const AXES[] = {"vehicle.mass", "springs.0.force_x"};
+
+// A source of `left` cases; where `failing` is met it fails.
+struct cases {
+    uint32_t next, count, failing;
+};
+
+static enum status next_case(void *user, struct journal_search *search, bool *more,
+                             struct error *error)
+{
+    static char mass[32];
+    static const char *values[2] = {mass, "[1, 'two']"};
+    struct cases *cases = user;
+    *more = cases->next < cases->count;
+    if (!*more)
+        return STATUS_OK;
+    if (cases->next == cases->failing)
+        return error_set(error, STATUS_INVALID, "this case is wrong");
+    *search = search_of(cases->next);
+    g_snprintf(mass, sizeof mass, "%" PRIu32, 1500 + cases->next++);
+    search->values = values;
+    return STATUS_OK;
+}
+
+static enum status count_standing(void *user, const struct journal_standing *standing,
+                                  struct error *error)
+{
+    (void)error;
+    uint32_t *count = user;
+    assert_int_equal(standing->index, *count);
+    assert_int_equal(standing->finished, standing->index == 1);
+    assert_string_equal(standing->status, standing->index == 1   ? "done"
+                                          : standing->index == 2 ? "failed"
+                                                                 : "running");
+    ++*count;
+    return STATUS_OK;
+}
+
+// What the cases are made of is in the file, so that a report needs nothing else.
+static void axes_and_values_of_a_sweep_come_back(void **state)
+{
+    struct cases cases = {.count = 300, .failing = UINT32_MAX};
+    struct journal_run run = run_of(0);
+    struct journal *journal;
+    struct error error = {0};
+    assert_int_equal(
+        journal_create_from(&journal, *state, &run, AXES, 2, next_case, &cases, &error), STATUS_OK);
+    struct journal_search result = search_of(1);
+    g_strlcpy(result.status, "done", sizeof result.status);
+    assert_int_equal(journal_finish_search(journal, &result, &error), STATUS_OK);
+    assert_int_equal(journal_fail_search(journal, 2, &error), STATUS_OK);
+    journal_close(journal);
+
+    assert_int_equal(journal_open(&journal, *state, JOURNAL_READ, &error), STATUS_OK);
+    assert_int_equal(journal_read_run(journal, &run, &error), STATUS_OK);
+    assert_int_equal(run.search_count, 300);
+    char **axes, **values;
+    assert_int_equal(journal_read_axes(journal, &axes, &error), STATUS_OK);
+    assert_string_equal(axes[0], AXES[0]);
+    assert_string_equal(axes[1], AXES[1]);
+    assert_null(axes[2]);
+    assert_int_equal(journal_read_values(journal, 299, &values, &error), STATUS_OK);
+    assert_string_equal(values[0], "1799");
+    assert_string_equal(values[1], "[1, 'two']");
+    assert_null(values[2]);
+    uint32_t count = 0;
+    assert_int_equal(journal_read_standings(journal, count_standing, &count, &error), STATUS_OK);
+    assert_int_equal(count, 300);
+    g_strfreev(values);
+    g_strfreev(axes);
+    journal_close(journal);
+}
+
+// The hundredth case of a sweep may be the wrong one: the ninety-nine before it are no run.
+static void failing_source_leaves_nothing(void **state)
+{
+    struct cases cases = {.count = 300, .failing = 99};
+    struct journal_run run = run_of(0);
+    struct journal *journal;
+    struct error error = {0};
+    assert_int_equal(
+        journal_create_from(&journal, *state, &run, AXES, 2, next_case, &cases, &error),
+        STATUS_INVALID);
+    assert_string_equal(error.text, "this case is wrong");
+    assert_null(journal);
+    GDir *dir = g_dir_open(*state, 0, NULL);
+    assert_null(g_dir_read_name(dir));
+    g_dir_close(dir);
+}
+
+// Runs that were begun before there were sweeps go on.
+static void journal_without_axes_is_still_read(void **state)
+{
+    struct journal *journal = create(*state, 1);
+    append_ok(journal, 0, 0);
+    journal_close(journal);
+    tamper(*state, "UPDATE meta SET schema = 1; DROP TABLE axis; DROP TABLE axis_value");
+    struct error error = {0};
+    char **axes, **values;
+    assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_OK);
+    assert_int_equal(journal_read_axes(journal, &axes, &error), STATUS_OK);
+    assert_int_equal(journal_read_values(journal, 0, &values, &error), STATUS_OK);
+    assert_null(axes[0]);
+    assert_null(values[0]);
+    append_ok(journal, 0, 1);
+    journal_close(journal);
+    g_strfreev(axes);
+    g_strfreev(values);
+}
+
+// Steps written as one are all there or none, and a reader sees them once they are committed.
+static void steps_between_begin_and_commit_are_written_as_one(void **state)
+{
+    struct journal *journal = create(*state, 2), *reader;
+    struct error error = {0};
+    for (int round = 0; round < 2; round++) {
+        assert_int_equal(journal_begin(journal, &error), STATUS_OK);
+        append_ok(journal, 0, (uint32_t)round);
+        append_ok(journal, 1, (uint32_t)round);
+        if (round == 0)
+            assert_int_equal(journal_commit(journal, &error), STATUS_OK);
+    }
+    assert_int_equal(journal_open(&reader, *state, JOURNAL_READ, &error), STATUS_OK);
+    sqlite3_stmt *count = journal_prepare(reader, "SELECT count(*) FROM step", &error);
+    assert_int_equal(sqlite3_step(count), SQLITE_ROW);
+    assert_int_equal(sqlite3_column_int(count, 0), 2);
+    sqlite3_finalize(count);
+    journal_close(reader);
+    assert_int_equal(journal_commit(journal, &error), STATUS_OK);
+    assert_int_equal(journal_commit(journal, &error), STATUS_OK); // nothing left to write
+    journal_close(journal);
+}
+
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, folder_make, folder_remove)
 
 int main(void)
@@ -844,6 +989,10 @@ int main(void)
         IN_FOLDER(lies_are_found),
         IN_FOLDER(truncated_file_is_an_error),
         IN_FOLDER(random_damage_never_crashes),
+        IN_FOLDER(axes_and_values_of_a_sweep_come_back),
+        IN_FOLDER(failing_source_leaves_nothing),
+        IN_FOLDER(journal_without_axes_is_still_read),
+        IN_FOLDER(steps_between_begin_and_commit_are_written_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
