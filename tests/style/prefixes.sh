@@ -7,13 +7,13 @@ for archive; do
     folder=$(basename "$archive" .a)
     nm --print-file-name --defined-only --extern-only "$archive" |
         awk -v folder="${folder#libsobox_}" '
-            # LIBRARY:SOURCE.c.o:ADDRESS TYPE SYMBOL; names with two underscores are the compiler'"'"'s.
+            # LIBRARY:SOURCE.c.o:ADDRESS TYPE SYMBOL; names with two underscores or a dot are the compiler'"'"'s.
             {
                 split($1, part, ":")
                 file = part[2]
                 sub("[.]c[.]o$", "", file)
             }
-            $NF !~ /^__/ && index($NF "_", file "_") != 1 &&
+            $NF !~ /^(__|[.])/ && index($NF "_", file "_") != 1 &&
                 index($NF "_", folder "_") != 1 {
                 print folder "/" file ".c: " $NF ": expected a static function or a name that " \
                     "begins with " file "_ or " folder "_"
