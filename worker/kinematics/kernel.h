@@ -145,23 +145,28 @@ LANES_INLINE void kernel_coefficients(const struct kinematics_problem *problem, 
     }
 }
 
-// Both forces of a branch at deformation s >= its first point's.
+// Both forces of a branch at deformation s, where `acts` is set, which has s >= the first point's;
+// else 0. The last term is the one that looks at `acts`: there it costs nothing.
 LANES_INLINE void kernel_curve(const struct kinematics_problem *problem,
                                const struct problem_curve *curve, const double *coefficients,
-                               struct lanes s, struct lanes *force_x, struct lanes *force_y)
+                               struct lanes s, struct lanes_mask acts, struct lanes *force_x,
+                               struct lanes *force_y)
 {
     const double *deformation = problem->deformation + curve->point;
     const double *c = coefficients + (size_t)curve->value * LANES;
-    const struct lanes within = lanes_min(s, lanes_set(curve->last));
-    struct lanes x = lanes_fma(within, lanes_load(c + 2 * LANES), lanes_load(c));
-    struct lanes y = lanes_fma(within, lanes_load(c + 3 * LANES), lanes_load(c + LANES));
-    for (uint32_t i = 2; i < curve->point_count; i++) {
-        const struct lanes ramp = lanes_max(within, lanes_set(deformation[i - 1]));
-        x = lanes_fma(ramp, lanes_load(c + (2 * i) * LANES), x);
-        y = lanes_fma(ramp, lanes_load(c + (2 * i + 1) * LANES), y);
+    struct lanes ramp = lanes_min(s, lanes_set(curve->last));
+    const struct lanes within = ramp;
+    struct lanes x = lanes_load(c);
+    struct lanes y = lanes_load(c + LANES);
+    for (uint32_t i = 1; i + 1 < curve->point_count; i++) {
+        c += 2 * LANES;
+        x = lanes_fma(ramp, lanes_load(c), x);
+        y = lanes_fma(ramp, lanes_load(c + LANES), y);
+        ramp = lanes_max(within, lanes_set(deformation[i]));
     }
-    *force_x = x;
-    *force_y = y;
+    c += 2 * LANES;
+    *force_x = lanes_keep_fma(acts, ramp, lanes_load(c), x);
+    *force_y = lanes_keep_fma(acts, ramp, lanes_load(c + LANES), y);
 }
 
 LANES_INLINE struct kernel_pose kernel_pose(const struct kernel_motion *at)
@@ -287,21 +292,20 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
             lanes_store(kept->reference, features.crushed ? crushed : s);
         }
 
-        struct lanes x;
-        struct lanes y;
-        kernel_curve(problem, &spring->load, scratch->coefficients, s, &x, &y);
         struct lanes_mask acts = loading;
         if (features.late_start) {
             acts = lanes_and_less(loading, lanes_set(spring->load.acts_above), s);
         }
-        x = lanes_keep(acts, x);
-        y = lanes_keep(acts, y);
+        struct lanes x;
+        struct lanes y;
+        kernel_curve(problem, &spring->load, scratch->coefficients, s, acts, &x, &y);
         if (features.unload && spring->unload.point_count > 0) {
-            struct lanes unload_x;
-            struct lanes unload_y;
-            kernel_curve(problem, &spring->unload, scratch->coefficients, s, &unload_x, &unload_y);
             const struct lanes_mask gives = lanes_and_less(lanes_and_not(contact, loading),
                                                            lanes_set(spring->unload.acts_above), s);
+            struct lanes unload_x;
+            struct lanes unload_y;
+            kernel_curve(problem, &spring->unload, scratch->coefficients, s, gives, &unload_x,
+                         &unload_y);
             x = lanes_select(gives, unload_x, x);
             y = lanes_select(gives, unload_y, y);
         }

@@ -45,6 +45,7 @@ enum { LANES_VECTOR = 8 };
     _mm512_test_epi64_mask(_mm512_castpd_si512(a), _mm512_set1_epi64(INT64_C(1) << (bit)))
 #define VECTOR_SELECT(m, a, b) _mm512_mask_blend_pd(m, b, a)
 #define VECTOR_KEEP(m, a) _mm512_maskz_mov_pd(m, a)
+#define VECTOR_KEEP_FMA(m, a, b, c) _mm512_maskz_fmadd_pd(m, a, b, c)
 #define VECTOR_NONE 0
 #define VECTOR_AND(m, n) _kand_mask8(m, n)
 #define VECTOR_AND_NOT(m, n) _kandn_mask8(n, m)
@@ -79,6 +80,7 @@ enum { LANES_VECTOR = 4 };
     _mm256_castsi256_pd(_mm256_slli_epi64(_mm256_castpd_si256(a), 63 - (bit)))
 #define VECTOR_SELECT(m, a, b) _mm256_blendv_pd(b, a, m)
 #define VECTOR_KEEP(m, a) _mm256_and_pd(m, a)
+#define VECTOR_KEEP_FMA(m, a, b, c) _mm256_and_pd(m, _mm256_fmadd_pd(a, b, c))
 #define VECTOR_NONE _mm256_setzero_pd()
 #define VECTOR_AND(m, n) _mm256_and_pd(m, n)
 #define VECTOR_AND_NOT(m, n) _mm256_andnot_pd(n, m)
@@ -118,6 +120,7 @@ LANES_INLINE bool vector_bit(double a, int bit)
 #define VECTOR_BIT(a, bit) vector_bit(a, bit)
 #define VECTOR_SELECT(m, a, b) ((m) ? (a) : (b))
 #define VECTOR_KEEP(m, a) ((m) ? (a) : 0.0)
+#define VECTOR_KEEP_FMA(m, a, b, c) ((m) ? __builtin_fma(a, b, c) : 0.0)
 #define VECTOR_NONE false
 #define VECTOR_AND(m, n) ((m) & (n))
 #define VECTOR_AND_NOT(m, n) ((m) & !(n))
@@ -330,6 +333,15 @@ LANES_INLINE struct lanes lanes_select(struct lanes_mask m, struct lanes a, stru
 LANES_INLINE struct lanes lanes_keep(struct lanes_mask m, struct lanes a)
 {
 #define EACH(k) VECTOR_KEEP(m.v[k], a.v[k])
+    return (struct lanes)LANES_EACH(EACH);
+#undef EACH
+}
+
+// a b + c where m is set, else 0.
+LANES_INLINE struct lanes lanes_keep_fma(struct lanes_mask m, struct lanes a, struct lanes b,
+                                         struct lanes c)
+{
+#define EACH(k) VECTOR_KEEP_FMA(m.v[k], a.v[k], b.v[k], c.v[k])
     return (struct lanes)LANES_EACH(EACH);
 #undef EACH
 }
