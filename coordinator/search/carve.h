@@ -8,23 +8,41 @@
 #include "coordinator/search/cloud.h"
 #include "coordinator/search/volume.h"
 
+#include <stdbool.h>
+
 // Side 2v is the lower bound of variable v, side 2v + 1 its upper bound.
 enum { CARVE_SIDE_NONE = UINT32_MAX };
 
+// The bad points, laid out both ways: by column to move a side, by row to look at one point.
+struct carve_points {
+    const struct cloud *cloud; // borrowed: all points lie in the grown box
+    double *rows;              // (count x variables)
+};
+
+void carve_points_init(struct carve_points *points, const struct cloud *cloud, int threads);
+void carve_points_fini(struct carve_points *points);
+
 struct carve {
-    const struct box *grown; // borrowed: no side goes beyond it
-    const struct cloud *bad; // borrowed: all points lie in grown
-    const double *anchor;    // borrowed (variables): stays inside; NULL until set
-    struct box box;          // as carved so far
-    uint16_t *outside;       // (bad count) sides that keep the point out; 0: it is inside
-    uint32_t *sides;         // (bad count) sum of the numbers of those sides
-    double *limit;           // (sides) how far the side could move out; valid after expanding
-    uint32_t *support;       // (sides) the bad point that stops it there, or CARVE_SIDE_NONE
+    const struct box *grown;           // borrowed: no side goes beyond it
+    const struct carve_points *points; // borrowed
+    const double *anchor;              // borrowed (variables): stays inside; NULL until set
+    struct box box;                    // as carved so far
+    uint64_t *out;     // (points) high half: how many sides keep the point out, 0: it is inside;
+                       // low half: the sum of the numbers of those sides
+    double *limit;     // (sides) how far the side could move out; valid after expanding
+    uint32_t *support; // (sides) the bad point that stops it there, or CARVE_SIDE_NONE
+    double *shares;    // (variables) scratch
 };
 
 // Starts with the whole of `grown`. The caller releases it with carve_fini().
-void carve_init(struct carve *carve, const struct box *grown, const struct cloud *bad);
+void carve_init(struct carve *carve, const struct box *grown, const struct carve_points *points);
 void carve_fini(struct carve *carve);
+
+// Whether no side keeps the point out.
+static inline bool carve_holds(const struct carve *carve, uint32_t point)
+{
+    return carve->out[point] == 0;
+}
 
 // Takes over everything but memory from a carve of the same box and points.
 void carve_assign(struct carve *carve, const struct carve *from);

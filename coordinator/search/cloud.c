@@ -71,12 +71,12 @@ static uint32_t inside_block(const struct cloud *cloud, const struct box *box, u
 void cloud_add_inside(struct cloud *cloud, const struct cloud *from, const struct box *box)
 {
     assert(cloud->variables == from->variables);
+    cloud_reserve(cloud, from->count);
     uint32_t index[CLOUD_BLOCK + 1];
     for (uint32_t first = 0; first < from->count; first += CLOUD_BLOCK) {
         uint32_t left = from->count - first;
         uint32_t inside =
             inside_block(from, box, first, left < CLOUD_BLOCK ? left : CLOUD_BLOCK, index);
-        cloud_reserve(cloud, inside);
         for (uint32_t v = 0; v < cloud->variables; v++) {
             double *column = cloud->values + (size_t)v * cloud->capacity + cloud->count;
             const double *source = cloud_column(from, v);
@@ -87,6 +87,22 @@ void cloud_add_inside(struct cloud *cloud, const struct cloud *from, const struc
             cloud->violation[cloud->count + i] = from->violation[index[i]];
         cloud->count += inside;
     }
+}
+
+bool cloud_inside(const struct cloud *cloud, const struct box *box)
+{
+    for (uint32_t v = 0; v < cloud->variables; v++) {
+        const double *column = cloud_column(cloud, v);
+        const double lower = box->lower[v];
+        const double upper = box->upper[v];
+        uint32_t outside = 0;
+#pragma omp simd reduction(+ : outside)
+        for (uint32_t i = 0; i < cloud->count; i++)
+            outside += (uint32_t)((column[i] < lower) | (column[i] > upper));
+        if (outside > 0)
+            return false;
+    }
+    return true;
 }
 
 void cloud_keep_newest(struct cloud *cloud, uint32_t count)

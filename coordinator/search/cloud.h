@@ -36,6 +36,9 @@ void cloud_add(struct cloud *cloud, const double *point, size_t stride, uint16_t
 // Adds those points of `from` that lie in `box` (same variables).
 void cloud_add_inside(struct cloud *cloud, const struct cloud *from, const struct box *box);
 
+// Whether all points lie in `box`.
+bool cloud_inside(const struct cloud *cloud, const struct box *box);
+
 // Forgets the oldest points until at most `count` are left.
 void cloud_keep_newest(struct cloud *cloud, uint32_t count);
 

@@ -40,7 +40,7 @@ static const double search_average_after = 0.8;
 
 // The bad share to consolidate to, as a part of what the next certificate allows: so far below it
 // that the certificate passes with near certainty, and not further.
-static const double search_share_wanted = 0.55;
+static const double search_share_wanted = 0.5;
 
 struct search {
     const struct scenario *scenario; // borrowed

@@ -10,9 +10,9 @@
 
 // The order in which bad points are cut off.
 enum order {
+    ORDER_NEAREST_FIRST, // by distance from the anchor in units of the box
     ORDER_WORST_FIRST,
     ORDER_WORST_LAST,
-    ORDER_NEAREST_FIRST, // by distance from the anchor in units of the box
     ORDER_COUNT
 };
 
@@ -54,19 +54,23 @@ static void rank(struct ranked *ranked, const struct cloud *cloud)
 static void distances(struct ranked *ranked, const struct cloud *cloud, const struct box *box,
                       const double *from)
 {
-    for (uint32_t i = 0; i < cloud->count; i++)
-        ranked[i] = (struct ranked){.key = 0, .point = i};
+    double *distance = g_new0(double, cloud->count + 1);
     for (uint32_t v = 0; v < cloud->variables; v++) {
         const double width = box->upper[v] - box->lower[v];
         if (!(width > 0))
             continue;
+        const double scale = 1 / width;
+        const double middle = from[v];
         const double *column = cloud_column(cloud, v);
+#pragma omp simd
         for (uint32_t i = 0; i < cloud->count; i++) {
-            const double ahead = (column[i] - from[v]) / width;
-            const double distance = ahead < 0 ? -ahead : ahead;
-            ranked[i].key = distance > ranked[i].key ? distance : ranked[i].key;
+            const double ahead = fabs(column[i] - middle) * scale;
+            distance[i] = ahead > distance[i] ? ahead : distance[i];
         }
     }
+    for (uint32_t i = 0; i < cloud->count; i++)
+        ranked[i].key = distance[i];
+    g_free(distance);
 }
 
 // Everything the candidates share.
@@ -74,7 +78,8 @@ struct trimming {
     const struct box *grown;
     const struct box *previous; // or NULL
     struct cloud good;          // points inside grown
-    struct cloud bad;
+    const struct cloud *bad;
+    struct carve_points points; // the bad ones
     uint32_t anchor_count;
     double *anchors; // (anchor_count x variables)
 };
@@ -123,7 +128,7 @@ static bool pick_previous_anchor(struct trimming *trimming)
 
 static void cut_all(struct carve *carve, enum order order)
 {
-    const struct cloud *bad = carve->bad;
+    const struct cloud *bad = carve->points->cloud;
     struct ranked *ranked = g_new(struct ranked, bad->count + 1);
     if (order == ORDER_NEAREST_FIRST) {
         distances(ranked, bad, carve->grown, carve->anchor);
@@ -134,19 +139,19 @@ static void cut_all(struct carve *carve, enum order order)
     }
     rank(ranked, bad);
     for (uint32_t i = 0; i < bad->count; i++) {
-        if (carve->outside[ranked[i].point] == 0)
+        if (carve_holds(carve, ranked[i].point))
             carve_off(carve, ranked[i].point, CARVE_SIDE_NONE);
     }
     g_free(ranked);
 }
 
-// Candidate 0 starts from the previous box when `warm`, the others from the grown one with one
-// anchor and one order each.
+// Candidate 0 starts from the previous box when `warm`, the others from the grown one: the first
+// anchor with every order, the others with the first.
 static void carve_candidate(struct carve *carve, const struct trimming *trimming,
                             uint32_t candidate, bool warm)
 {
     const uint32_t variables = trimming->grown->count;
-    carve_init(carve, trimming->grown, &trimming->bad);
+    carve_init(carve, trimming->grown, &trimming->points);
     if (warm && candidate == 0) {
         carve->anchor = trimming->anchors;
         for (uint32_t v = 0; v < variables; v++) {
@@ -158,8 +163,10 @@ static void carve_candidate(struct carve *carve, const struct trimming *trimming
         cut_all(carve, ORDER_NEAREST_FIRST);
     } else {
         const uint32_t place = candidate - warm;
-        carve->anchor = trimming->anchors + (size_t)(place / ORDER_COUNT + warm) * variables;
-        cut_all(carve, (enum order)(place % ORDER_COUNT));
+        const uint32_t order = place < ORDER_COUNT ? place : 0;
+        const uint32_t anchor = place < ORDER_COUNT ? 0 : place - ORDER_COUNT + 1;
+        carve->anchor = trimming->anchors + (size_t)(anchor + warm) * variables;
+        cut_all(carve, (enum order)order);
     }
     carve_expand(carve);
 }
@@ -191,7 +198,7 @@ static void round_off(struct box *box, const struct trimming *trimming, double e
 static void improve(struct carve *carve, uint32_t rounds)
 {
     struct carve scratch;
-    carve_init(&scratch, carve->grown, carve->bad);
+    carve_init(&scratch, carve->grown, carve->points);
     while (rounds > 0 && carve_improve(carve, &scratch))
         rounds--;
     carve_fini(&scratch);
@@ -200,7 +207,7 @@ static void improve(struct carve *carve, uint32_t rounds)
 static void trim_from_anchors(const struct trimming *trimming, bool warm,
                               const struct trim_options *options, struct box *trimmed)
 {
-    const uint32_t count = warm + ORDER_COUNT * (trimming->anchor_count - warm);
+    const uint32_t count = warm + ORDER_COUNT + (trimming->anchor_count - warm) - 1;
     struct carve *carves = g_new0(struct carve, count);
 #pragma omp parallel for num_threads(options->threads) schedule(dynamic)
     for (uint32_t i = 0; i < count; i++)
@@ -229,21 +236,29 @@ bool trim(const struct box *grown, const struct box *previous, const struct clou
     box_assign(&whole, grown);
     struct trimming trimming = {.grown = &whole, .previous = previous};
     cloud_init(&trimming.good, grown->count);
-    cloud_init(&trimming.bad, grown->count);
     cloud_add_inside(&trimming.good, good, grown);
-    cloud_add_inside(&trimming.bad, bad, grown);
+    // Mostly all bad points were sampled from this very box; then they need not be copied.
+    struct cloud inside;
+    cloud_init(&inside, grown->count);
+    trimming.bad = bad;
+    if (!cloud_inside(bad, grown)) {
+        cloud_add_inside(&inside, bad, grown);
+        trimming.bad = &inside;
+    }
     trimming.anchors = g_new(double, (size_t)(TRIM_ANCHOR_MAX + 1) * (grown->count + 1));
     const bool found = trimming.good.count > 0;
-    if (found && trimming.bad.count > 0) {
+    if (found && trimming.bad->count > 0) {
         const bool warm = pick_previous_anchor(&trimming);
         pick_anchors(&trimming, &whole, &trimming.good, options->anchors);
+        carve_points_init(&trimming.points, trimming.bad, options->threads);
         trim_from_anchors(&trimming, warm, options, trimmed);
+        carve_points_fini(&trimming.points);
     } else {
         box_assign(trimmed, &whole);
     }
     g_free(trimming.anchors);
     cloud_fini(&trimming.good);
-    cloud_fini(&trimming.bad);
+    cloud_fini(&inside);
     box_fini(&whole);
     return found;
 }
