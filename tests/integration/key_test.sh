@@ -122,7 +122,7 @@ key_shows_nowhere()
     local bytes
     # shellcheck disable=SC2001 # two digits at a time
     bytes=$(sed 's/../\\x&/g' <<<"${digits:0:32}")
-    ! LC_ALL=C grep -rqaP -e "${digits:0:16}" -e "$bytes" run coordinator.err coordinator.out ||
+    ! LC_ALL=C grep -rqaP "${digits:0:16}|$bytes" run coordinator.err coordinator.out ||
         fail 'the key is in the run folder or a log'
 }
 

@@ -44,7 +44,7 @@ end() {
 
 # The processes that the case started, itself excepted: those whose environment carries its name.
 processes_left() {
-    env --unset=SOBOX_CASE grep -lszxF "SOBOX_CASE=$folder" /proc/[0-9]*/environ |
+    { env --unset=SOBOX_CASE grep -lszxF "SOBOX_CASE=$folder" /proc/[0-9]*/environ || true; } |
         cut -d / -f 3
 }
 
@@ -99,9 +99,10 @@ finish() {
     [ "$status" -eq "$1" ] || fail "$2 ended with status $status, expected $1"
 }
 
-# The worker processes that a started coordinator started.
+# The worker processes that a started coordinator started. (Other processes may end while they are
+# looked at, which grep takes for a failure.)
 local_workers() {
-    grep -lsxE "PPid:[[:blank:]]*${process[$1]}" /proc/[0-9]*/status | cut -d / -f 3
+    { grep -lsxE "PPid:[[:blank:]]*${process[$1]}" /proc/[0-9]*/status || true; } | cut -d / -f 3
 }
 
 # ---- Waiting ----
