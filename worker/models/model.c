@@ -1,46 +1,106 @@
 #include "worker/models/model.h"
+
 #include "worker/kinematics/kinematics.h"
+#include "worker/models/closed_form.h"
 #include "worker/models/small_overlap.h"
 
 #include <assert.h>
 #include <glib.h>
 
-struct model {
+// One function of the design: the crash model, or a formula. The other one is NULL.
+struct part {
     struct kinematics_problem *problem;
     double overlap; // [m]
+    struct closed_form *form;
+    uint32_t variable_count; // the same in all parts
+    uint32_t outcome_count;
 };
+
+struct model {
+    struct part *parts; // (part_count) one, or one a case
+    uint32_t part_count;
+    uint32_t variable_count;
+    uint32_t outcome_count; // of all parts
+};
+
+// ---- Parts ----
+
+static void part_init(struct part *part, const struct scenario *scenario)
+{
+    *part = (struct part){.overlap = scenario->barrier.overlap};
+    if (scenario->model == SCENARIO_MODEL_SMALL_OVERLAP) {
+        part->problem = small_overlap_problem(scenario, NULL);
+        part->variable_count = kinematics_value_count(part->problem);
+        part->outcome_count = kinematics_result_count(part->problem);
+    } else {
+        part->form = closed_form_create(scenario);
+        part->variable_count = scenario->design_space.count;
+        part->outcome_count = closed_form_outcome_count(part->form);
+    }
+}
+
+static void part_fini(struct part *part)
+{
+    kinematics_free(part->problem);
+    closed_form_free(part->form);
+}
+
+static void part_evaluate(const struct part *part, uint32_t count, const double *values,
+                          double *outcomes)
+{
+    if (part->form != NULL) {
+        closed_form_evaluate(part->form, count, values, outcomes);
+        return;
+    }
+    kinematics_evaluate(part->problem, count, values, outcomes, MODEL_BLOCK);
+    small_overlap_outcomes(part->overlap, count, outcomes, MODEL_BLOCK);
+}
+
+// ---- The whole ----
 
 struct model *model_create(const struct scenario *scenario)
 {
-    assert(scenario->model == SCENARIO_MODEL_SMALL_OVERLAP);
     struct model *model = g_new(struct model, 1);
-    model->problem = small_overlap_problem(scenario, NULL);
-    model->overlap = scenario->barrier.overlap;
+    *model = (struct model){
+        .part_count = scenario->case_count > 0 ? scenario->case_count : 1,
+    };
+    model->parts = g_new(struct part, model->part_count);
+    for (uint32_t i = 0; i < model->part_count; i++) {
+        part_init(&model->parts[i], scenario->case_count > 0 ? &scenario->cases[i] : scenario);
+        model->outcome_count += model->parts[i].outcome_count;
+    }
+    model->variable_count = model->parts[0].variable_count;
     return model;
 }
 
 void model_free(struct model *model)
 {
-    if (model != NULL) {
-        kinematics_free(model->problem);
-        g_free(model);
+    if (model == NULL) {
+        return;
     }
+    for (uint32_t i = 0; i < model->part_count; i++) {
+        part_fini(&model->parts[i]);
+    }
+    g_free(model->parts);
+    g_free(model);
 }
 
 uint32_t model_variable_count(const struct model *model)
 {
-    return kinematics_value_count(model->problem);
+    return model->variable_count;
 }
 
 uint32_t model_outcome_count(const struct model *model)
 {
-    return kinematics_result_count(model->problem);
+    return model->outcome_count;
 }
 
 void model_evaluate(const struct model *model, uint32_t count, const double *values,
                     double *outcomes)
 {
     assert(count >= 1 && count <= MODEL_BLOCK);
-    kinematics_evaluate(model->problem, count, values, outcomes, MODEL_BLOCK);
-    small_overlap_outcomes(model->overlap, count, outcomes, MODEL_BLOCK);
+    for (uint32_t i = 0; i < model->part_count; i++) {
+        part_evaluate(&model->parts[i], count, values, outcomes);
+        outcomes += (size_t)model->parts[i].outcome_count * MODEL_BLOCK;
+    }
 }

@@ -1,5 +1,6 @@
 // A model: a function from a design to outcomes. Prepared once from a scenario, then read-only and
-// shared by all threads.
+// shared by all threads. With cases it is the functions of all cases, whose outcomes stand one
+// after the other as scenario_outcome_name() counts them.
 #ifndef SOBOX_WORKER_MODELS_MODEL_H
 #define SOBOX_WORKER_MODELS_MODEL_H
 
