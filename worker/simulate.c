@@ -1,12 +1,14 @@
-// sobox-simulate: one design through the crash model. Prints its outcomes as JSON, writes its
-// trajectory, compares it with a measured or finite-element motion.
+// sobox-simulate: one design through the scenario's model. Prints its outcomes as JSON; of the
+// crash model it writes the trajectory and compares it with a measured or finite-element motion.
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/scenario/scenario_read.h"
 #include "worker/batch/batch.h"
 #include "worker/kinematics/kinematics.h"
 #include "worker/models/design.h"
+#include "worker/models/model.h"
 #include "worker/models/motion.h"
+#include "worker/models/point.h"
 #include "worker/models/small_overlap.h"
 
 #include <glib.h>
@@ -22,7 +24,8 @@ static const char program_summary[] =
 static const char program_description[] =
     "A design file has the columns spring,branch,deformation_m,force_x_N,force_y_N; branch is "
     "load\n"
-    "or unload. A reference has time_s and any of x_m, y_m (place of the centre of gravity in the\n"
+    "or unload. For models in closed form it has variable,value. A reference has time_s and any of "
+    "x_m, y_m (place of the centre of gravity in the\n"
     "scenario's axes: forwards is -x) and yaw_rad; what is printed of it is the mean absolute "
     "error.\n"
     "\n"
@@ -33,6 +36,7 @@ struct options {
     char **set;
     char *trajectory;
     char *compare;
+    char *load_case;
     gboolean version;
     char *scenario;
 };
@@ -60,6 +64,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Write the motion and the springs of every time step", "FILE.csv"},
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
          "Print the mean absolute errors from this motion", "REF.csv"},
+        {"case", 'l', 0, G_OPTION_ARG_STRING, &options->load_case,
+         "Simulate this one of the scenario's cases (default: all of them)", "NAME"},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
@@ -89,6 +95,7 @@ static void options_fini(struct options *options)
     g_strfreev(options->set);
     g_free(options->trajectory);
     g_free(options->compare);
+    g_free(options->load_case);
     g_free(options->scenario);
 }
 
@@ -116,22 +123,82 @@ static enum status read_scenario(const struct options *options, struct scenario 
     return status;
 }
 
-static enum status read_design(const char *wanted, const struct scenario *scenario,
-                               struct design *design, struct error *error)
+// Finds the case that was asked for, or the whole scenario.
+static enum status choose_case(const struct options *options, const struct scenario *scenario,
+                               const struct scenario **chosen, struct error *error)
+{
+    *chosen = scenario;
+    if (options->load_case == NULL) {
+        return STATUS_OK;
+    }
+    GString *names = g_string_new(NULL);
+    for (uint32_t i = 0; i < scenario->case_count; i++) {
+        if (strcmp(scenario->cases[i].name, options->load_case) == 0) {
+            *chosen = &scenario->cases[i];
+        }
+        g_string_append_printf(names, "%s%s", i > 0 ? ", " : "", scenario->cases[i].name);
+    }
+    enum status status = STATUS_OK;
+    if (scenario->case_count == 0) {
+        status = error_set(error, STATUS_INVALID, "--case %s: %s has no cases", options->load_case,
+                           options->scenario);
+    } else if (*chosen == scenario) {
+        status = error_set(error, STATUS_INVALID, "--case %s: expected one of %s",
+                           options->load_case, names->str);
+    }
+    g_string_free(names, TRUE);
+    return status;
+}
+
+// A motion is that of one crash.
+static enum status check_motion(const struct options *options, const struct scenario *scenario,
+                                struct error *error)
+{
+    const char *option = options->trajectory != NULL ? "--trajectory"
+                         : options->compare != NULL  ? "--compare"
+                                                     : NULL;
+    if (option == NULL) {
+        return STATUS_OK;
+    }
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP) {
+        return error_set(error, STATUS_INVALID,
+                         "%s: model %s has no motion: expected a scenario of model small_overlap",
+                         option, scenario_model_name(scenario->model));
+    }
+    if (scenario->case_count > 0) {
+        return error_set(error, STATUS_INVALID,
+                         "%s: the scenario has %u cases, each with its own motion: expected --case "
+                         "NAME beside it",
+                         option, scenario->case_count);
+    }
+    return STATUS_OK;
+}
+
+// Whether --design names a place of the design space; else it names a file.
+static bool design_is_place(const char *wanted, enum design_place *place)
 {
     static const char *const places[] = {
         [DESIGN_CENTRE] = "centre",
         [DESIGN_LOWER] = "lower",
         [DESIGN_UPPER] = "upper",
     };
-    if (wanted == NULL) {
-        wanted = places[DESIGN_CENTRE];
-    }
-    for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
+    *place = DESIGN_CENTRE;
+    for (size_t i = 0; wanted != NULL && i < G_N_ELEMENTS(places); i++) {
         if (strcmp(wanted, places[i]) == 0) {
-            design_init_place(design, scenario, (enum design_place)i);
-            return STATUS_OK;
+            *place = (enum design_place)i;
+            return true;
         }
+    }
+    return wanted == NULL;
+}
+
+static enum status read_design(const char *wanted, const struct scenario *scenario,
+                               struct design *design, struct error *error)
+{
+    enum design_place place;
+    if (design_is_place(wanted, &place)) {
+        design_init_place(design, scenario, place);
+        return STATUS_OK;
     }
     g_autofree char *text = NULL;
     size_t size;
@@ -139,6 +206,22 @@ static enum status read_design(const char *wanted, const struct scenario *scenar
         return STATUS_INVALID;
     }
     return design_parse(design, scenario, wanted, text, size, error);
+}
+
+static enum status read_point(const char *wanted, const struct scenario *scenario, double *values,
+                              struct error *error)
+{
+    enum design_place place;
+    if (design_is_place(wanted, &place)) {
+        point_place(values, scenario, place);
+        return STATUS_OK;
+    }
+    g_autofree char *text = NULL;
+    size_t size;
+    if (read_text(wanted, &text, &size, error) != STATUS_OK) {
+        return STATUS_INVALID;
+    }
+    return point_parse(values, scenario, wanted, text, size, error);
 }
 
 // ---- The simulation ----
@@ -221,7 +304,7 @@ static json_t *json_number(double number)
 static json_t *violated_names(const struct scenario *scenario, const double *outcomes)
 {
     json_t *names = json_array();
-    bool named[OUTCOME_ENERGY_ABSORBED + SCENARIO_SPRING_MAX] = {false};
+    g_autofree bool *named = g_new0(bool, scenario_outcome_count(scenario));
     for (uint32_t i = 0; i < scenario->constraint_count; i++) {
         const struct scenario_constraint *constraint = &scenario->constraints[i];
         const double value = outcomes[constraint->outcome];
@@ -258,22 +341,21 @@ static json_t *motion_errors(const struct motion *motion, const struct simulatio
     return errors;
 }
 
-// Prints everything as one object. `motion` has count 0 where there is nothing to compare with.
-static enum status print_outcomes(const struct scenario *scenario,
-                                  const struct simulation *simulation, const struct motion *motion,
-                                  struct error *error)
+// Prints everything as one object. `errors`, which is taken, may be NULL.
+static enum status print_outcomes(const struct scenario *scenario, const double *outcomes,
+                                  json_t *errors, struct error *error)
 {
     json_t *object = json_object();
     for (uint32_t i = 0; i < scenario_outcome_count(scenario); i++) {
         char name[SCENARIO_OUTCOME_NAME_SIZE];
         json_object_set_new(object, scenario_outcome_name(scenario, i, name),
-                            json_number(simulation->outcomes[i]));
+                            json_number(outcomes[i]));
     }
-    const struct verdict verdict = batch_verdict(scenario, simulation->outcomes, 1);
+    const struct verdict verdict = batch_verdict(scenario, outcomes, 1);
     json_object_set_new(object, "good", json_boolean(verdict.violation == VERDICT_GOOD));
-    json_object_set_new(object, "violated", violated_names(scenario, simulation->outcomes));
-    if (motion->count > 0) {
-        json_object_set_new(object, "mean_absolute_error", motion_errors(motion, simulation));
+    json_object_set_new(object, "violated", violated_names(scenario, outcomes));
+    if (errors != NULL) {
+        json_object_set_new(object, "mean_absolute_error", errors);
     }
     const bool printed = json_dumpf(object, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF &&
                          fflush(stdout) == 0;
@@ -284,8 +366,9 @@ static enum status print_outcomes(const struct scenario *scenario,
     return STATUS_OK;
 }
 
-// ---- The program ----
+// ---- One crash ----
 
+// `motion` has count 0 where there is nothing to compare with.
 static enum status report(const struct options *options, const struct scenario *scenario,
                           const struct design *design, const struct motion *motion,
                           struct error *error)
@@ -297,35 +380,108 @@ static enum status report(const struct options *options, const struct scenario *
         status = write_trajectory(options->trajectory, &simulation, scenario, error);
     }
     if (status == STATUS_OK) {
-        status = print_outcomes(scenario, &simulation, motion, error);
+        json_t *errors = motion->count > 0 ? motion_errors(motion, &simulation) : NULL;
+        status = print_outcomes(scenario, simulation.outcomes, errors, error);
     }
     simulation_fini(&simulation);
+    return status;
+}
+
+static enum status simulate_crash(const struct options *options, const struct scenario *scenario,
+                                  const struct design *design, struct error *error)
+{
+    struct motion motion = {0};
+    enum status status = STATUS_OK;
+    if (options->compare != NULL) {
+        g_autofree char *text = NULL;
+        size_t size;
+        status = read_text(options->compare, &text, &size, error);
+        if (status == STATUS_OK) {
+            status = motion_parse(&motion, scenario->simulation.duration, options->compare, text,
+                                  size, error);
+        }
+    }
+    if (status == STATUS_OK) {
+        status = report(options, scenario, design, &motion, error);
+    }
+    motion_fini(&motion);
+    return status;
+}
+
+// ---- Several crashes, formulas ----
+
+// The same curves in every case.
+static enum status simulate_cases(const struct scenario *scenario, const struct design *design,
+                                  struct error *error)
+{
+    g_autofree double *outcomes = g_new(double, scenario_outcome_count(scenario));
+    double *outcome = outcomes;
+    for (uint32_t i = 0; i < scenario->case_count; i++) {
+        const uint32_t count = scenario_outcome_count(&scenario->cases[i]);
+        struct simulation simulation = {0};
+        simulation_run(&simulation, &scenario->cases[i], design);
+        memcpy(outcome, simulation.outcomes, count * sizeof *outcome);
+        outcome += count;
+        simulation_fini(&simulation);
+    }
+    return print_outcomes(scenario, outcomes, NULL, error);
+}
+
+static enum status simulate_formula(const struct options *options, const struct scenario *scenario,
+                                    struct error *error)
+{
+    struct model *model = model_create(scenario);
+    g_autofree double *point = g_new(double, model_variable_count(model));
+    g_autofree double *values = g_new(double, (size_t)model_variable_count(model) * MODEL_BLOCK);
+    g_autofree double *rows = g_new(double, (size_t)model_outcome_count(model) * MODEL_BLOCK);
+    g_autofree double *outcomes = g_new(double, model_outcome_count(model));
+    enum status status = read_point(options->design, scenario, point, error);
+    if (status == STATUS_OK) {
+        for (uint32_t i = 0; i < model_variable_count(model); i++) {
+            values[(size_t)i * MODEL_BLOCK] = point[i];
+        }
+        model_evaluate(model, 1, values, rows);
+        for (uint32_t i = 0; i < model_outcome_count(model); i++) {
+            outcomes[i] = rows[(size_t)i * MODEL_BLOCK];
+        }
+        status = print_outcomes(scenario, outcomes, NULL, error);
+    }
+    model_free(model);
+    return status;
+}
+
+// ---- The program ----
+
+static enum status simulate_scenario(const struct options *options, const struct scenario *scenario,
+                                     struct error *error)
+{
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP) {
+        return simulate_formula(options, scenario, error);
+    }
+    struct design design = {0};
+    enum status status = read_design(options->design, scenario, &design, error);
+    if (status == STATUS_OK) {
+        status = scenario->case_count > 0 ? simulate_cases(scenario, &design, error)
+                                          : simulate_crash(options, scenario, &design, error);
+    }
+    design_fini(&design);
     return status;
 }
 
 static enum status simulate(const struct options *options, struct error *error)
 {
     struct scenario scenario = {0};
-    struct design design = {0};
-    struct motion motion = {0};
+    const struct scenario *chosen = NULL;
     enum status status = read_scenario(options, &scenario, error);
     if (status == STATUS_OK) {
-        status = read_design(options->design, &scenario, &design, error);
-    }
-    if (status == STATUS_OK && options->compare != NULL) {
-        g_autofree char *text = NULL;
-        size_t size;
-        status = read_text(options->compare, &text, &size, error);
-        if (status == STATUS_OK) {
-            status = motion_parse(&motion, scenario.simulation.duration, options->compare, text,
-                                  size, error);
-        }
+        status = choose_case(options, &scenario, &chosen, error);
     }
     if (status == STATUS_OK) {
-        status = report(options, &scenario, &design, &motion, error);
+        status = check_motion(options, chosen, error);
     }
-    motion_fini(&motion);
-    design_fini(&design);
+    if (status == STATUS_OK) {
+        status = simulate_scenario(options, chosen, error);
+    }
     scenario_fini(&scenario);
     return status;
 }
