@@ -27,15 +27,25 @@ static void csv_number(GString *csv, double value)
     g_string_append_printf(csv, ",%s", number_exact(value, text));
 }
 
+// Where a corridor's interval belongs: a point of a spring, or the variable that it is alone.
+static void corridor_place(GString *csv, uint32_t index, const struct scenario *scenario,
+                           const struct scenario_variable *variable)
+{
+    if (variable->spring == SCENARIO_NO_SPRING) {
+        g_string_append_printf(csv, "%" PRIu32 ",%s,,", index, variable->name);
+        return;
+    }
+    const struct scenario_spring *spring = &scenario->springs[variable->spring];
+    g_string_append_printf(csv, "%" PRIu32 ",%s,%s", index, spring->name,
+                           scenario_direction_name(variable->direction));
+    csv_number(csv, spring->deformation[variable->point]);
+}
+
 static void corridor_rows(GString *csv, uint32_t index, const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
     for (uint32_t i = 0; search->box != NULL && i < search->box->count; i++) {
-        const struct scenario_variable *variable = &scenario->variables[i];
-        const struct scenario_spring *spring = &scenario->springs[variable->spring];
-        g_string_append_printf(csv, "%" PRIu32 ",%s,%s", index, spring->name,
-                               scenario_direction_name(variable->direction));
-        csv_number(csv, spring->deformation[variable->point]);
+        corridor_place(csv, index, scenario, &scenario->variables[i]);
         csv_number(csv, search->box->lower[i]);
         csv_number(csv, search->box->upper[i]);
         csv_number(csv, scenario->design_space.lower[i]);
@@ -94,20 +104,29 @@ static json_t *json_interval(const struct box *box, uint32_t variable)
     return json_pack("[f, f]", box->lower[variable], box->upper[variable]);
 }
 
+// The point of a spring that a variable is the force of.
+static void json_place(json_t *object, const struct scenario *scenario,
+                       const struct scenario_variable *variable)
+{
+    const struct scenario_spring *spring = &scenario->springs[variable->spring];
+    json_object_set_new(object, "spring", json_string(spring->name));
+    json_object_set_new(object, "direction",
+                        json_string(scenario_direction_name(variable->direction)));
+    json_object_set_new(object, "deformation_m", json_real(spring->deformation[variable->point]));
+}
+
 static json_t *json_variables(const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
     json_t *variables = json_array();
     for (uint32_t i = 0; i < scenario->design_space.count; i++) {
         const struct scenario_variable *variable = &scenario->variables[i];
-        const struct scenario_spring *spring = &scenario->springs[variable->spring];
-        json_array_append_new(variables,
-                              json_pack("{s:s, s:s, s:s, s:f, s:o, s:o}", "name", variable->name,
-                                        "spring", spring->name, "direction",
-                                        scenario_direction_name(variable->direction),
-                                        "deformation_m", spring->deformation[variable->point],
-                                        "design", json_interval(&scenario->design_space, i),
-                                        "corridor", json_interval(search->box, i)));
+        json_t *object = json_pack("{s:s}", "name", variable->name);
+        if (variable->spring != SCENARIO_NO_SPRING)
+            json_place(object, scenario, variable);
+        json_object_set_new(object, "design", json_interval(&scenario->design_space, i));
+        json_object_set_new(object, "corridor", json_interval(search->box, i));
+        json_array_append_new(variables, object);
     }
     return variables;
 }

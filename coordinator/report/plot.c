@@ -1,3 +1,4 @@
+#include "coordinator/report/bars.h"
 #include "coordinator/report/figure.h"
 #include "coordinator/report/gnuplot.h"
 #include "coordinator/report/report.h"
@@ -36,6 +37,15 @@ static enum status check_comparable(const struct run_data_search *search,
     if (other->box == NULL)
         return error_set(error, STATUS_INVALID, "%s: has no corridors to compare with",
                          plot->compare);
+    if (search->scenario.spring_count == 0 || other->scenario.spring_count == 0) {
+        if (bars_shared_variables(search, other) > 0)
+            return STATUS_OK;
+        return error_set(error, STATUS_INVALID,
+                         "%s: none of its variables (%s, ...) has the name of one of the run it is "
+                         "compared with (%s, ...)",
+                         plot->compare, other->scenario.variables[0].name,
+                         search->scenario.variables[0].name);
+    }
     if (figure_shared_springs(search, other) == 0)
         return error_set(error, STATUS_INVALID,
                          "%s: none of its springs (%s, ...) has the name of one of the run it is "
@@ -45,16 +55,25 @@ static enum status check_comparable(const struct run_data_search *search,
     return STATUS_OK;
 }
 
+static char *own_label(const struct scenario *scenario)
+{
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP)
+        return g_strdup_printf("corridor, model: %s", scenario_model_name(scenario->model));
+    if (scenario->case_count > 0)
+        return g_strdup_printf("corridor, good in %u cases", scenario->case_count);
+    return g_strdup_printf("corridor, response: %s", scenario_response_name(scenario->response));
+}
+
 // The first thing in which two searches differ is what a reader wants to see in the legend.
 static char *legend_label(const struct run_data_search *search, const struct run_data_search *other,
                           const char *directory)
 {
     if (other == NULL)
-        return g_strdup_printf("corridor, response: %s",
-                               scenario_response_name(search->scenario.response));
+        return own_label(&search->scenario);
     if (strcmp(search->name, other->name) != 0)
         return g_strdup(search->name);
-    if (search->scenario.response != other->scenario.response)
+    if (search->scenario.model == other->scenario.model &&
+        search->scenario.response != other->scenario.response)
         return g_strdup_printf("response: %s", scenario_response_name(search->scenario.response));
     if (search->record.seed != other->record.seed)
         return g_strdup_printf("seed %" PRIu64, search->record.seed);
@@ -96,7 +115,10 @@ static enum status draw_figure(struct figure *figure, const char *output, enum r
     char *path = path_stem(output), *stem = g_path_get_basename(path);
     char *script_path = g_strconcat(path, ".gp", NULL);
     figure->stem = stem;
-    char *script = figure_script(figure);
+    // Two runs of which one has no springs have variables in common at best.
+    const bool springs = figure->search->scenario.spring_count > 0 &&
+                         (figure->other == NULL || figure->other->scenario.spring_count > 0);
+    char *script = springs ? figure_script(figure) : bars_script(figure);
     GBytes *picture = NULL;
     enum status status = whole_file_write(script_path, script, strlen(script), error);
     if (status == STATUS_OK)

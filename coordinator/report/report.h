@@ -26,6 +26,10 @@ struct report_plot {
 // Writes result.json, corridors.csv and history.csv into the run folder; each is whole or absent.
 // Of a search that is not finished they show the box that was sampled last, without a purity.
 //
+// Variables that are no spring's force stand in corridors.csv with their name as `spring`, without
+// direction and deformation, their bounds in their own unit; in result.json they have neither
+// spring, direction nor deformation_m.
+//
 // Besides what the design names, result.json has `non_finite`, the samples whose outcome was not
 // finite, and `blocking_constraint` where no good design was found. What is not known is null, and
 // a seed above 2^63 - 1, which JSON readers would round, is text. Errors: STATUS_IO, and those of

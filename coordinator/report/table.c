@@ -50,6 +50,38 @@ static void print_spring(const struct run_data_search *search, uint32_t index, F
     }
 }
 
+// ---- variables that are no spring's ----
+
+static void print_variable(const struct run_data_search *search, uint32_t index, int name_width,
+                           FILE *out)
+{
+    const struct box *space = &search->scenario.design_space, *box = search->box;
+    const double width = space->upper[index] - space->lower[index];
+    fprintf(out, "%-*.*s %12.6g %12.6g", name_width, name_width,
+            search->scenario.variables[index].name, box->lower[index], box->upper[index]);
+    if (width > 0)
+        fprintf(out, " %7.1f", 100 * (box->upper[index] - box->lower[index]) / width);
+    else
+        fprintf(out, " %7s", "fixed");
+    fprintf(out, " %11.5g %11.5g\n", space->lower[index], space->upper[index]);
+}
+
+// Names of their own have no unit that the program knows.
+static void print_variables(const struct run_data_search *search, FILE *out)
+{
+    enum { WIDTH_MIN = 8, WIDTH_MAX = 20 }; // columns, so that a line has at most 80
+    int name_width = WIDTH_MIN;
+    const uint32_t count = search->scenario.design_space.count;
+    for (uint32_t i = 0; i < count; i++)
+        name_width =
+            MAX(name_width, (int)MIN(strlen(search->scenario.variables[i].name), WIDTH_MAX));
+    fprintf(out, "\n%-*s %12s %12s %7s %11s %11s\n", name_width, "variable", "lower", "upper",
+            "share", "design from", "to");
+    fprintf(out, "%-*s %12s %12s %7s\n", name_width, "", "", "", "[%]");
+    for (uint32_t i = 0; i < count; i++)
+        print_variable(search, i, name_width, out);
+}
+
 // ---- how it went ----
 
 struct status_meaning {
@@ -124,13 +156,28 @@ static void print_cost(const struct run_data_search *search, FILE *out)
                 number_count(search->record.non_finite, evaluations));
 }
 
+static void print_title(const struct run_data_search *search, const char *name, FILE *out)
+{
+    const struct scenario *scenario = &search->scenario;
+    fputs(name, out);
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP)
+        fprintf(out, ", model %s", scenario_model_name(scenario->model));
+    else if (scenario->case_count == 0)
+        fprintf(out, ", response %s", scenario_response_name(scenario->response));
+    for (uint32_t i = 0; i < scenario->case_count; i++)
+        fprintf(out, "%s%s", i == 0 ? ", good in " : " and ", scenario->cases[i].name);
+    fputc('\n', out);
+}
+
 static void print_search(const struct run_data_search *search, FILE *out)
 {
     char *name = report_name_plain(search->name),
          *status = report_name_plain(status_meaning(search->status));
-    fprintf(out, "%s, response %s\n", name, scenario_response_name(search->scenario.response));
+    print_title(search, name, out);
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
         print_spring(search, i, out);
+    if (search->box != NULL && search->scenario.spring_count == 0)
+        print_variables(search, out);
     fprintf(out, "\nstatus       %s\n", status);
     if (run_data_found_nothing(search)) {
         print_obstacle(search, out);
