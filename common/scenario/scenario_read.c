@@ -1,6 +1,10 @@
 #include "common/scenario/scenario_read.h"
 
+#include "common/scenario/constraint_read.h"
+#include "common/scenario/crash_read.h"
 #include "common/scenario/field.h"
+#include "common/scenario/formula_read.h"
+#include "common/scenario/search_read.h"
 #include "common/scenario/tree.h"
 #include "common/scenario/words.h"
 
@@ -12,494 +16,245 @@ _Static_assert((int)SCENARIO_TEXT_SIZE_MAX == (int)TREE_TEXT_SIZE_MAX,
                "a scenario that can be read from a file can be read from the network");
 _Static_assert(sizeof(enum scenario_response) == sizeof(int), "FIELD_WORD writes an int");
 
-#define STEPS_MAX 1e6 // of one simulation: 0.15 s at 0.15 us; more is a slip of the pen
-
-// The values of all samples of a step are in memory while it is trimmed: 1 GiB of doubles.
-#define STEP_VALUES_MAX (UINT64_C(1) << 27)
-
-static const struct field_range any_number = FIELD_ANY;
-
 #define AT(structure, member) .offset = offsetof(struct structure, member)
 
-// The node of that key, or the whole mapping when it has none: where to point.
-static const struct tree_node *spot(const struct tree_node *mapping, const char *key)
-{
-    const struct tree_node *node = tree_child(mapping, key);
-    return node != NULL ? node : mapping;
-}
-
-// The node that holds number `index` of a value that is a number for all or a list.
-static const struct tree_node *number_node(const struct tree_node *node, uint32_t index)
-{
-    return node->kind == TREE_SEQUENCE ? node->items[index] : node;
-}
-
 // ------------------------------------------------------------------------------------------------
-// Vehicle, barrier, simulation, search
-
-static const struct field vehicle_fields[] = {
-    {"mass", FIELD_NUMBER, AT(scenario_vehicle, mass), .range = FIELD_POSITIVE, .unit = "kg"},
-    {"yaw_inertia", FIELD_NUMBER, AT(scenario_vehicle, yaw_inertia), .range = FIELD_POSITIVE,
-     .unit = "kg m2"},
-    {"speed", FIELD_NUMBER, AT(scenario_vehicle, speed), .range = FIELD_POSITIVE, .unit = "m/s"},
-    {"cog", FIELD_NUMBER_PAIR, .optional = true, AT(scenario_vehicle, cog), .range = FIELD_ANY,
-     .unit = "m"},
-};
-
-static const struct field barrier_fields[] = {
-    {"face_x", FIELD_NUMBER, AT(scenario_barrier, face_x), .range = FIELD_ANY, .unit = "m"},
-    {"edge_y", FIELD_NUMBER, AT(scenario_barrier, edge_y), .range = FIELD_ANY, .unit = "m"},
-    {"width", FIELD_NUMBER, .optional = true, AT(scenario_barrier, width), .range = FIELD_POSITIVE,
-     .unit = "m"},
-    {"overlap", FIELD_NUMBER, AT(scenario_barrier, overlap), .range = FIELD_POSITIVE, .unit = "m"},
-    {"profile", FIELD_WORD, .optional = true, AT(scenario_barrier, profile),
-     .words = scenario_profile_words},
-    {"edge_radius", FIELD_NUMBER, .optional = true, AT(scenario_barrier, edge_radius),
-     .range = FIELD_POSITIVE, .unit = "m"},
-};
-
-static const struct field simulation_fields[] = {
-    {"duration", FIELD_NUMBER, .optional = true, AT(scenario_simulation, duration),
-     .range = FIELD_POSITIVE, .unit = "s"},
-    {"time_step", FIELD_NUMBER, .optional = true, AT(scenario_simulation, time_step),
-     .range = FIELD_POSITIVE, .unit = "s"},
-    {"integrator", FIELD_WORD, .optional = true, AT(scenario_simulation, integrator),
-     .words = scenario_integrator_words},
-};
-
-// Sobol points have no generator yet, so their word is not offered.
-static const char *const sampling_words[] = {
-    [SCENARIO_SAMPLING_UNIFORM] = "uniform",
-    [SCENARIO_SAMPLING_LATIN_HYPERCUBE] = "latin_hypercube",
-    NULL,
-};
-
-static const struct field search_fields[] = {
-    {"samples", FIELD_COUNT, .optional = true, AT(scenario_search, samples),
-     .range = FIELD_FROM_TO(1, 1e6)},
-    {"exploration_steps", FIELD_COUNT, .optional = true, AT(scenario_search, exploration_steps),
-     .range = FIELD_FROM_TO(0, 1e6)},
-    {"consolidation_steps", FIELD_COUNT, .optional = true, AT(scenario_search, consolidation_steps),
-     .range = FIELD_FROM_TO(0, 1e6)},
-    {"sampling", FIELD_WORD, .optional = true, AT(scenario_search, sampling),
-     .words = sampling_words},
-    {"target_purity", FIELD_NUMBER, .optional = true, AT(scenario_search, target_purity),
-     .range = FIELD_BETWEEN(0, 1)},
-    {"certificate_samples", FIELD_COUNT, .optional = true, AT(scenario_search, certificate_samples),
-     .range = FIELD_FROM_TO(1, 1e8)},
-    {"seed", FIELD_COUNT_64, .optional = true, AT(scenario_search, seed),
-     .range = FIELD_FROM_TO(0, FIELD_COUNT_MAX)},
-};
-
-static bool read_vehicle(const struct tree_node *node, struct scenario *scenario,
-                         struct error *error)
-{
-    return field_read(node, vehicle_fields, G_N_ELEMENTS(vehicle_fields), &scenario->vehicle,
-                      error);
-}
-
-static bool read_barrier(const struct tree_node *node, struct scenario *scenario,
-                         struct error *error)
-{
-    struct scenario_barrier *barrier = &scenario->barrier;
-    if (!field_read(node, barrier_fields, G_N_ELEMENTS(barrier_fields), barrier, error))
-        return false;
-    if (barrier->profile == SCENARIO_PROFILE_ROUNDED && barrier->edge_radius > barrier->width) {
-        tree_error(spot(node, "edge_radius"), error,
-                   "expected an edge_radius of at most the barrier's width of %g m, found %g",
-                   barrier->width, barrier->edge_radius);
-        return false;
-    }
-    return true;
-}
-
-static bool read_simulation(const struct tree_node *node, struct scenario *scenario,
-                            struct error *error)
-{
-    struct scenario_simulation *simulation = &scenario->simulation;
-    if (!field_read(node, simulation_fields, G_N_ELEMENTS(simulation_fields), simulation, error))
-        return false;
-    if (simulation->time_step > simulation->duration) {
-        tree_error(spot(node, "time_step"), error,
-                   "expected a time_step of at most the duration of %g s, found %g",
-                   simulation->duration, simulation->time_step);
-        return false;
-    }
-    if (simulation->duration / simulation->time_step > STEPS_MAX) {
-        tree_error(spot(node, "time_step"), error,
-                   "expected a time_step of at least %g s (a million steps), found %g",
-                   simulation->duration / STEPS_MAX, simulation->time_step);
-        return false;
-    }
-    return true;
-}
-
-static bool read_search(const struct tree_node *node, struct scenario *scenario,
-                        struct error *error)
-{
-    struct scenario_search *search = &scenario->search;
-    if (!field_read(node, search_fields, G_N_ELEMENTS(search_fields), search, error))
-        return false;
-    uint64_t samples_max = STEP_VALUES_MAX / scenario->design_space.count;
-    if (search->samples > samples_max) {
-        tree_error(spot(node, "samples"), error,
-                   "expected at most %llu samples for %u variables, found %u",
-                   (unsigned long long)samples_max, scenario->design_space.count, search->samples);
-        return false;
-    }
-    return true;
-}
-
-// ------------------------------------------------------------------------------------------------
-// Springs
-
-struct spring_document {
-    struct scenario_spring spring;
-    const struct tree_node *deformation;
-    const struct tree_node *force[SCENARIO_DIRECTION_COUNT];
-};
-
-static const struct field spring_fields[] = {
-    {"name", FIELD_IDENTIFIER, AT(spring_document, spring.name)},
-    {"position", FIELD_NUMBER_PAIR, AT(spring_document, spring.position), .range = FIELD_ANY,
-     .unit = "m", .expected = "a list of two numbers: x and y from the COG in m"},
-    {"length", FIELD_NUMBER, .optional = true, AT(spring_document, spring.length),
-     .range = FIELD_POSITIVE, .unit = "m"},
-    {"deformation", FIELD_NODE, AT(spring_document, deformation),
-     .expected = "an ascending list of deformations in m"},
-    {"force_x", FIELD_NODE, AT(spring_document, force[SCENARIO_DIRECTION_X]),
-     .expected = "a mapping with lower and upper in N"},
-    {"force_y", FIELD_NODE, AT(spring_document, force[SCENARIO_DIRECTION_Y]),
-     .expected = "a mapping with lower and upper in N"},
-};
-
-struct force_document {
-    const struct tree_node *lower;
-    const struct tree_node *upper;
-};
-
-static const struct field force_fields[] = {
-    {"lower", FIELD_NODE, AT(force_document, lower), .expected = "a number or a list in N"},
-    {"upper", FIELD_NODE, AT(force_document, upper), .expected = "a number or a list in N"},
-};
-
-static bool read_deformation(const struct tree_node *node, struct scenario_spring *spring,
-                             struct error *error)
-{
-    static const struct field_range not_negative = FIELD_NOT_NEGATIVE;
-    if (node->kind != TREE_SEQUENCE || node->count < 2 || node->count > SCENARIO_POINT_MAX) {
-        char shown[TREE_SHOWN_SIZE];
-        tree_error(node, error, "expected a list of 2 to %d deformations in m, found %s",
-                   SCENARIO_POINT_MAX, tree_shown(node, shown));
-        return false;
-    }
-    spring->point_count = node->count;
-    if (!field_read_numbers(node, &not_negative, "m", spring->deformation, node->count, error))
-        return false;
-    for (uint32_t i = 1; i < node->count; i++) {
-        if (spring->deformation[i] > spring->deformation[i - 1])
-            continue;
-        tree_error(node->items[i], error,
-                   "expected ascending deformations, here more than %.15g m, found %.15g",
-                   spring->deformation[i - 1], spring->deformation[i]);
-        return false;
-    }
-    return true;
-}
-
-static bool read_force(const struct tree_node *node, struct scenario_spring *spring,
-                       enum scenario_direction direction, struct error *error)
-{
-    struct force_document force;
-    double *lower = spring->force_lower[direction], *upper = spring->force_upper[direction];
-    if (!field_read(node, force_fields, G_N_ELEMENTS(force_fields), &force, error) ||
-        !field_read_numbers(force.lower, &any_number, "N", lower, spring->point_count, error) ||
-        !field_read_numbers(force.upper, &any_number, "N", upper, spring->point_count, error))
-        return false;
-    for (uint32_t i = 0; i < spring->point_count; i++) {
-        if (lower[i] <= upper[i])
-            continue;
-        tree_error(number_node(force.upper, i), error,
-                   "expected at least the lower bound of %.15g N, found %.15g", lower[i], upper[i]);
-        return false;
-    }
-    return true;
-}
-
-// The structure lies between the spring's place and the barrier's face, and there must be some.
-static bool place_spring(const struct tree_node *node, const struct scenario *scenario,
-                         struct scenario_spring *spring, struct error *error)
-{
-    double room = spring->position[0] + scenario->vehicle.cog[0] - scenario->barrier.face_x;
-    if (room <= 0) {
-        tree_error(tree_child(node, "position"), error,
-                   "the spring is %g m behind the barrier's face: expected an x of more than %g m, "
-                   "found %g",
-                   -room, spring->position[0] - room, spring->position[0]);
-        return false;
-    }
-    if (tree_child(node, "length") == NULL)
-        spring->length = room;
-    return true;
-}
-
-static bool read_spring(const struct tree_node *node, const struct scenario *scenario,
-                        struct scenario_spring *spring, struct error *error)
-{
-    struct spring_document document = {0};
-    if (!field_read(node, spring_fields, G_N_ELEMENTS(spring_fields), &document, error))
-        return false;
-    *spring = document.spring;
-    return read_deformation(document.deformation, spring, error) &&
-           read_force(document.force[SCENARIO_DIRECTION_X], spring, SCENARIO_DIRECTION_X, error) &&
-           read_force(document.force[SCENARIO_DIRECTION_Y], spring, SCENARIO_DIRECTION_Y, error) &&
-           place_spring(node, scenario, spring, error);
-}
-
-static bool name_is_new(const struct tree_node *node, const struct scenario *scenario,
-                        uint32_t index, struct error *error)
-{
-    for (uint32_t i = 0; i < index; i++) {
-        if (strcmp(scenario->springs[i].name, scenario->springs[index].name) != 0)
-            continue;
-        tree_error(tree_child(node, "name"), error,
-                   "expected a name that no other spring has, found %s, the name of springs.%u",
-                   scenario->springs[index].name, i);
-        return false;
-    }
-    return true;
-}
-
-static bool read_springs(const struct tree_node *node, struct scenario *scenario,
-                         struct error *error)
-{
-    if (node->kind != TREE_SEQUENCE || node->count < 1 || node->count > SCENARIO_SPRING_MAX) {
-        char shown[TREE_SHOWN_SIZE];
-        tree_error(node, error, "expected a list of 1 to %d springs, found %s", SCENARIO_SPRING_MAX,
-                   tree_shown(node, shown));
-        return false;
-    }
-    scenario->spring_count = node->count;
-    scenario->springs = g_new0(struct scenario_spring, node->count);
-    for (uint32_t i = 0; i < node->count; i++) {
-        if (!read_spring(node->items[i], scenario, &scenario->springs[i], error) ||
-            !name_is_new(node->items[i], scenario, i, error))
-            return false;
-    }
-    return true;
-}
-
-// ------------------------------------------------------------------------------------------------
-// Variables
-
-static void name_variable(struct scenario_variable *variable, const struct scenario_spring *spring)
-{
-    snprintf(variable->name, sizeof variable->name, "%s.force_%s[%u]", spring->name,
-             scenario_direction_name(variable->direction), variable->point);
-}
-
-// The variables in their order: spring by spring, all x points, then all y points.
-static void make_variables(struct scenario *scenario)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < scenario->spring_count; i++)
-        count += SCENARIO_DIRECTION_COUNT * scenario->springs[i].point_count;
-    g_assert(count <= SCENARIO_VARIABLE_MAX);
-    box_init(&scenario->design_space, count);
-    scenario->variables = g_new0(struct scenario_variable, count);
-
-    uint32_t at = 0;
-    for (uint32_t i = 0; i < scenario->spring_count; i++) {
-        const struct scenario_spring *spring = &scenario->springs[i];
-        for (int direction = 0; direction < SCENARIO_DIRECTION_COUNT; direction++) {
-            for (uint32_t point = 0; point < spring->point_count; point++, at++) {
-                scenario->variables[at] = (struct scenario_variable){
-                    .spring = i,
-                    .point = point,
-                    .direction = (enum scenario_direction)direction,
-                };
-                name_variable(&scenario->variables[at], spring);
-                scenario->design_space.lower[at] = spring->force_lower[direction][point];
-                scenario->design_space.upper[at] = spring->force_upper[direction][point];
-            }
-        }
-    }
-}
-
-static bool require_free_variable(const struct tree_node *springs, const struct scenario *scenario,
-                                  struct error *error)
-{
-    if (box_free_count(&scenario->design_space) > 0)
-        return true;
-    tree_error(springs, error,
-               "every force is fixed: expected at least one with its lower bound below its upper");
-    return false;
-}
-
-// ------------------------------------------------------------------------------------------------
-// Constraints
-
-struct bounds_document {
-    double min;
-    double max;
-};
-
-static const struct field bounds_fields[] = {
-    {"min", FIELD_NUMBER, .optional = true, AT(bounds_document, min), .range = FIELD_ANY},
-    {"max", FIELD_NUMBER, .optional = true, AT(bounds_document, max), .range = FIELD_ANY},
-};
-
-// A violation is measured in units of the greatest bound, so that metres and degrees compare.
-static double constraint_scale(double min, double max)
-{
-    double scale = fmax(isfinite(min) ? fabs(min) : 0.0, isfinite(max) ? fabs(max) : 0.0);
-    return scale > 0.0 ? scale : 1.0;
-}
-
-static void add_constraint(struct scenario *scenario, uint32_t outcome, double min, double max)
-{
-    scenario->constraints[scenario->constraint_count++] = (struct scenario_constraint){
-        .outcome = outcome,
-        .min = min,
-        .max = max,
-        .scale = constraint_scale(min, max),
-    };
-}
-
-// design.md section 3, "Responses"; thesis section 8.1.
-static void add_response(struct scenario *scenario)
-{
-    add_constraint(scenario, OUTCOME_S_L, scenario->firewall_distance, INFINITY);
-    switch (scenario->response) {
-    case SCENARIO_RESPONSE_ANY:
-        break;
-    case SCENARIO_RESPONSE_ROTATING:
-        add_constraint(scenario, OUTCOME_ABWP, -INFINITY, 1.0);
-        break;
-    case SCENARIO_RESPONSE_GLANCING_OFF:
-        add_constraint(scenario, OUTCOME_ABWAP, 1.0, INFINITY);
-        add_constraint(scenario, OUTCOME_ABWP, 1.0, INFINITY);
-        break;
-    }
-}
-
-static bool unknown_outcome(const struct tree_node *key, const struct scenario *scenario,
-                            struct error *error)
-{
-    uint32_t count = scenario_outcome_count(scenario);
-    char(*names)[SCENARIO_OUTCOME_NAME_SIZE] = g_malloc_n(count, sizeof *names);
-    const char **known = g_new0(const char *, count + 1);
-    for (uint32_t i = 0; i < count; i++)
-        known[i] = scenario_outcome_name(scenario, i, names[i]);
-    field_unknown_key(key, "outcome", known, error);
-    g_free(known);
-    g_free(names);
-    return false;
-}
-
-static bool read_constraint(const struct tree_node *key, const struct tree_node *node,
-                            struct scenario *scenario, struct error *error)
-{
-    uint32_t outcome = scenario_outcome_find(scenario, key->text);
-    if (outcome == scenario_outcome_count(scenario))
-        return unknown_outcome(key, scenario, error);
-    struct bounds_document bounds = {-INFINITY, INFINITY};
-    if (!field_read(node, bounds_fields, G_N_ELEMENTS(bounds_fields), &bounds, error))
-        return false;
-    if (node->count == 0) {
-        tree_error(node, error, "expected min, max or both, found neither");
-        return false;
-    }
-    if (bounds.min > bounds.max) {
-        tree_error(tree_child(node, "max"), error,
-                   "expected at least the min of %.15g, found %.15g", bounds.min, bounds.max);
-        return false;
-    }
-    add_constraint(scenario, outcome, bounds.min, bounds.max);
-    return true;
-}
-
-static bool read_constraints(const struct tree_node *node, struct scenario *scenario,
-                             struct error *error)
-{
-    scenario->constraints = g_new0(struct scenario_constraint, SCENARIO_CONSTRAINT_MAX);
-    add_response(scenario);
-    if (node == NULL)
-        return true;
-    if (node->kind != TREE_MAPPING) {
-        char shown[TREE_SHOWN_SIZE];
-        tree_error(node, error, "expected a mapping from outcomes to min and max, found %s",
-                   tree_shown(node, shown));
-        return false;
-    }
-    uint32_t room = SCENARIO_CONSTRAINT_MAX - scenario->constraint_count;
-    if (node->count > room) {
-        tree_error(node, error,
-                   "expected at most %u constraints beside those of the response, "
-                   "found %u",
-                   room, node->count);
-        return false;
-    }
-    for (uint32_t i = 0; i < node->count; i++) {
-        if (!read_constraint(node->keys[i], node->items[i], scenario, error))
-            return false;
-    }
-    return true;
-}
-
-// ------------------------------------------------------------------------------------------------
-// The whole
+// One scenario
 
 struct document {
     struct scenario scenario;
-    const struct tree_node *vehicle;
-    const struct tree_node *barrier;
-    const struct tree_node *springs;
-    const struct tree_node *simulation;
+    struct crash_document crash;
+    struct formula_document formula;
     const struct tree_node *constraints;
     const struct tree_node *search;
+    const struct tree_node *cases;
 };
 
-// Models in closed form have no reader yet, so their words are not offered.
-static const char *const crash_words[] = {
-    [SCENARIO_MODEL_SMALL_OVERLAP] = "small_overlap",
-    NULL,
-};
-
-static const struct field document_fields[] = {
+static const struct field crash_fields[] = {
     {"name", FIELD_NAME, AT(document, scenario.name)},
     {"model", FIELD_WORD, .optional = true, AT(document, scenario.model),
-     .words = crash_words},
-    {"vehicle", FIELD_NODE, AT(document, vehicle),
+     .words = scenario_model_words},
+    {"vehicle", FIELD_NODE, AT(document, crash.vehicle),
      .expected = "a mapping with mass, yaw_inertia and speed"},
-    {"barrier", FIELD_NODE, AT(document, barrier),
+    {"barrier", FIELD_NODE, AT(document, crash.barrier),
      .expected = "a mapping with face_x, edge_y and overlap"},
-    {"springs", FIELD_NODE, AT(document, springs), .expected = "a list of springs"},
-    {"simulation", FIELD_NODE, .optional = true, AT(document, simulation)},
+    {"springs", FIELD_NODE, AT(document, crash.springs), .expected = "a list of springs"},
+    {"simulation", FIELD_NODE, .optional = true, AT(document, crash.simulation)},
     {"response", FIELD_WORD, AT(document, scenario.response), .words = scenario_response_words},
     {"firewall_distance", FIELD_NUMBER, AT(document, scenario.firewall_distance),
      .range = FIELD_NOT_NEGATIVE, .unit = "m"},
     {"constraints", FIELD_NODE, .optional = true, AT(document, constraints)},
     {"search", FIELD_NODE, .optional = true, AT(document, search)},
+    {"cases", FIELD_NODE, .optional = true, AT(document, cases)},
 };
+
+static const struct field formula_fields[] = {
+    {"name", FIELD_NAME, AT(document, scenario.name)},
+    {"model", FIELD_WORD, .optional = true, AT(document, scenario.model),
+     .words = scenario_model_words},
+    {"variables", FIELD_NODE, AT(document, formula.variables),
+     .expected = "a list of variables with name, lower and upper"},
+    {"parameters", FIELD_NODE, .optional = true, AT(document, formula.parameters)},
+    {"constraints", FIELD_NODE, .optional = true, AT(document, constraints)},
+    {"search", FIELD_NODE, .optional = true, AT(document, search)},
+    {"cases", FIELD_NODE, .optional = true, AT(document, cases)},
+};
+
+// Which keys there are depends on the model, so its word is read first.
+static bool read_keys(const struct tree_node *root, struct document *document, struct error *error)
+{
+    static const struct field model_field = {.kind = FIELD_WORD, .words = scenario_model_words};
+    const struct tree_node *model = tree_child(root, "model");
+    if (model != NULL && !field_read_value(model, &model_field, &document->scenario.model, error))
+        return false;
+    return document->scenario.model == SCENARIO_MODEL_SMALL_OVERLAP
+               ? field_read(root, crash_fields, G_N_ELEMENTS(crash_fields), document, error)
+               : field_read(root, formula_fields, G_N_ELEMENTS(formula_fields), document, error);
+}
+
+// Without a constraint every design is good, and nobody asks for that on purpose.
+static bool require_constraint(const struct tree_node *root, const struct scenario *scenario,
+                               struct error *error)
+{
+    char name[SCENARIO_OUTCOME_NAME_SIZE];
+    if (scenario->constraint_count > 0)
+        return true;
+    const struct tree_node *node = tree_spot(root, "constraints");
+    tree_error(node, error, "%sexpected at least one constraint, as %s: {max: 0}",
+               node == root ? "missing key 'constraints': " : "",
+               scenario_outcome_name(scenario, 0, name));
+    return false;
+}
 
 // Sections in an order in which each finds what it depends on.
 static bool read_document(const struct tree_node *root, struct document *document,
                           struct error *error)
 {
     struct scenario *scenario = &document->scenario;
-    if (!field_read(root, document_fields, G_N_ELEMENTS(document_fields), document, error) ||
-        !read_vehicle(document->vehicle, scenario, error) ||
-        !read_barrier(document->barrier, scenario, error) ||
-        !read_springs(document->springs, scenario, error))
+    scenario_init(scenario);
+    if (!read_keys(root, document, error))
         return false;
-    make_variables(scenario);
-    return require_free_variable(document->springs, scenario, error) &&
-           (document->simulation == NULL ||
-            read_simulation(document->simulation, scenario, error)) &&
-           read_constraints(document->constraints, scenario, error) &&
-           (document->search == NULL || read_search(document->search, scenario, error));
+    document->formula.root = root;
+    bool read = scenario->model == SCENARIO_MODEL_SMALL_OVERLAP
+                    ? crash_read(&document->crash, scenario, error)
+                    : formula_read(&document->formula, scenario, error);
+    return read && constraint_read(document->constraints, scenario, error) &&
+           require_constraint(root, scenario, error) &&
+           (document->search == NULL || (search_offered(document->search, error) &&
+                                         search_read(document->search, scenario, error)));
 }
+
+// ------------------------------------------------------------------------------------------------
+// Cases
+
+// A case may change what happens to the designs, not which designs there are or how to search.
+static bool refuse_keys_of_all_cases(const struct tree_node *node, struct error *error)
+{
+    static const char *const refused[] = {"model", "variables", "search", "cases"};
+    for (uint32_t i = 0; i < node->count; i++) {
+        for (size_t k = 0; k < G_N_ELEMENTS(refused); k++) {
+            const char *key = node->keys[i]->text;
+            const size_t length = strlen(refused[k]);
+            if (strncmp(key, refused[k], length) != 0 ||
+                (key[length] != '\0' && key[length] != '.'))
+                continue;
+            tree_error(node->keys[i], error, "expected no '%s' in a case: it is that of all cases",
+                       refused[k]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool read_case_name(const struct tree_node *node, struct scenario *scenario, uint32_t index,
+                           struct error *error)
+{
+    static const struct field field = {.kind = FIELD_IDENTIFIER};
+    char name[SCENARIO_NAME_SIZE] = "";
+    const struct tree_node *value = tree_child(node, "name");
+    if (node->kind != TREE_MAPPING || value == NULL) {
+        tree_error(node, error, "expected a mapping with the case's name and what it overrides");
+        return false;
+    }
+    if (!field_read_value(value, &field, name, error))
+        return false;
+    for (uint32_t i = 0; i < index; i++) {
+        if (strcmp(scenario->cases[i].name, name) != 0)
+            continue;
+        tree_error(value, error,
+                   "expected a name that no other case has, found %s, the name of "
+                   "cases.%u",
+                   name, i);
+        return false;
+    }
+    return true;
+}
+
+// The structure that all cases share is what the search is for.
+static bool same_structure(const struct tree_node *node, const struct scenario *scenario,
+                           const struct scenario *of_case, struct error *error)
+{
+    const struct box *one = &scenario->design_space, *other = &of_case->design_space;
+    if (other->count != one->count) {
+        tree_error(node, error, "expected the %u variables of all cases, found %u", one->count,
+                   other->count);
+        return false;
+    }
+    for (uint32_t i = 0; i < one->count; i++) {
+        const char *name = scenario->variables[i].name;
+        const struct scenario_variable *variable = &scenario->variables[i];
+        if (strcmp(of_case->variables[i].name, name) != 0) {
+            tree_error(node, error, "expected the variable %s of all cases, found %s", name,
+                       of_case->variables[i].name);
+            return false;
+        }
+        if (other->lower[i] != one->lower[i] || other->upper[i] != one->upper[i]) {
+            tree_error(node, error,
+                       "expected the bounds of %s in all cases, %.15g to %.15g, found %.15g to "
+                       "%.15g",
+                       name, one->lower[i], one->upper[i], other->lower[i], other->upper[i]);
+            return false;
+        }
+        if (variable->spring != SCENARIO_NO_SPRING &&
+            scenario->springs[variable->spring].deformation[variable->point] !=
+                of_case->springs[variable->spring].deformation[variable->point]) {
+            tree_error(node, error, "expected %s at the deformation of all cases", name);
+            return false;
+        }
+    }
+    return true;
+}
+
+// The rest of a message about a value that may have come from outside the case.
+static void name_case(struct error *error, const char *name)
+{
+    char suffix[SCENARIO_NAME_SIZE + 16];
+    snprintf(suffix, sizeof suffix, " (in case %s)", name);
+    if (strlen(error->text) + strlen(suffix) < sizeof error->text)
+        g_strlcat(error->text, suffix, sizeof error->text);
+}
+
+static bool read_case(const struct tree *tree, const struct tree_node *node,
+                      struct scenario *scenario, uint32_t index, struct error *error)
+{
+    static const char *const without[] = {"cases", "search", NULL};
+    if (!read_case_name(node, scenario, index, error) || !refuse_keys_of_all_cases(node, error))
+        return false;
+    struct tree *overlaid = tree_overlay(tree, node, without, error);
+    if (overlaid == NULL)
+        return false;
+    struct document document = {0};
+    bool read = read_document(tree_root(overlaid), &document, error);
+    if (!read)
+        name_case(error, tree_child(node, "name")->text);
+    tree_free(overlaid);
+    // Even a broken one is the scenario's to release.
+    scenario->cases[index] = document.scenario;
+    scenario->case_count = index + 1;
+    return read && same_structure(node, scenario, &scenario->cases[index], error);
+}
+
+// The outer scenario's constraints become those of its cases, their outcomes counted through.
+static bool join_constraints(const struct tree_node *node, struct scenario *scenario,
+                             struct error *error)
+{
+    uint32_t outcomes = 0, count = 0;
+    for (uint32_t i = 0; i < scenario->case_count; i++) {
+        const struct scenario *of_case = &scenario->cases[i];
+        if (of_case->constraint_count > SCENARIO_CONSTRAINT_MAX - count) {
+            tree_error(node, error, "expected at most %d constraints in all cases together",
+                       SCENARIO_CONSTRAINT_MAX);
+            return false;
+        }
+        for (uint32_t k = 0; k < of_case->constraint_count; k++) {
+            scenario->constraints[count] = of_case->constraints[k];
+            scenario->constraints[count++].outcome += outcomes;
+        }
+        outcomes += scenario_outcome_count(of_case);
+    }
+    scenario->constraint_count = count;
+    return true;
+}
+
+static bool read_cases(const struct tree *tree, const struct tree_node *node,
+                       struct scenario *scenario, struct error *error)
+{
+    if (node->kind != TREE_SEQUENCE || node->count < 1 || node->count > SCENARIO_CASE_MAX) {
+        char shown[TREE_SHOWN_SIZE];
+        tree_error(node, error, "expected a list of 1 to %d cases, found %s", SCENARIO_CASE_MAX,
+                   tree_shown(node, shown));
+        return false;
+    }
+    scenario->cases = g_new0(struct scenario, node->count);
+    for (uint32_t i = 0; i < node->count; i++) {
+        if (!read_case(tree, node->items[i], scenario, i, error))
+            return false;
+    }
+    return join_constraints(node, scenario, error);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The whole
 
 // The text that travels and is hashed. Block style can be longer than what was read.
 static bool keep_text(const struct tree *tree, struct scenario *scenario, struct error *error)
@@ -523,8 +278,9 @@ static enum status read_tree(struct scenario *scenario, struct tree *tree,
     for (size_t i = 0; i < override_count && read; i++)
         read = tree_set(tree, overrides[i], error) == STATUS_OK;
     if (read) {
-        scenario_init(&document.scenario);
         read = read_document(tree_root(tree), &document, error) &&
+               (document.cases == NULL ||
+                read_cases(tree, document.cases, &document.scenario, error)) &&
                keep_text(tree, &document.scenario, error);
     }
     if (!read)

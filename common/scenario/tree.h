@@ -60,6 +60,19 @@ enum status tree_set(struct tree *tree, const char *assignment, struct error *er
 // The value of that key, or NULL when the mapping has none or the node is not a mapping.
 const struct tree_node *tree_child(const struct tree_node *node, const char *key);
 
+// The same, or the mapping itself when it has no such key: where to point at.
+const struct tree_node *tree_spot(const struct tree_node *mapping, const char *key);
+
+// A copy of the tree with the mapping `overrides`, a node of it, laid over its root; keys given in
+// `without` (ends with NULL) are left out of the copy. The first level's keys are paths as those of
+// tree_set(): "vehicle.mass", "springs.0.position". A mapping is laid over a mapping key by key,
+// and over a list item by item: its keys are indexes, or names that the items have under `name`.
+// Anything else replaces what is there. Nodes keep their lines and columns, so messages point at
+// the override. The copy borrows from `tree` and is freed before it. Returns NULL with `error`
+// filled (STATUS_INVALID).
+struct tree *tree_overlay(const struct tree *tree, const struct tree_node *overrides,
+                          const char *const *without, struct error *error);
+
 // The canonical text: block style, sequences of scalars on one line, comments gone, keys in file
 // order. Parsing it gives the same tree and the same text again. With its NUL, which `size` does
 // not count; released with g_free().

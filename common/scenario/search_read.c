@@ -1,0 +1,691 @@
+#include "common/scenario/search_read.h"
+
+#include "common/scenario/field.h"
+#include "common/scenario/words.h"
+
+#include <assert.h>
+#include <glib.h>
+#include <stdio.h>
+#include <string.h>
+
+#define AT(structure, member) .offset = offsetof(struct structure, member)
+
+// The values of all samples of a step are in memory while it is trimmed: 1 GiB of doubles.
+#define STEP_VALUES_MAX (UINT64_C(1) << 27)
+
+struct search_document {
+    struct scenario_search search;
+    const struct tree_node *start;
+    const struct tree_node *start_box;
+    const struct tree_node *reference;
+    const struct tree_node *weights;
+    const struct tree_node *minimum_widths;
+    const struct tree_node *hold;
+    const struct tree_node *tie;
+};
+
+static const struct field search_fields[] = {
+    {"samples", FIELD_COUNT, .optional = true, AT(search_document, search.samples),
+     .range = FIELD_FROM_TO(1, 1e6)},
+    {"exploration_steps", FIELD_COUNT, .optional = true,
+     AT(search_document, search.exploration_steps), .range = FIELD_FROM_TO(0, 1e6)},
+    {"consolidation_steps", FIELD_COUNT, .optional = true,
+     AT(search_document, search.consolidation_steps), .range = FIELD_FROM_TO(0, 1e6)},
+    {"sampling", FIELD_WORD, .optional = true, AT(search_document, search.sampling),
+     .words = scenario_sampling_words},
+    {"target_purity", FIELD_NUMBER, .optional = true, AT(search_document, search.target_purity),
+     .range = FIELD_BETWEEN(0, 1)},
+    {"certificate_samples", FIELD_COUNT, .optional = true,
+     AT(search_document, search.certificate_samples), .range = FIELD_FROM_TO(1, 1e8)},
+    {"seed", FIELD_COUNT_64, .optional = true, AT(search_document, search.seed),
+     .range = FIELD_FROM_TO(0, FIELD_COUNT_MAX)},
+    {"starts", FIELD_COUNT, .optional = true, AT(search_document, search.starts),
+     .range = FIELD_FROM_TO(1, SCENARIO_START_MAX)},
+    {"evaluations", FIELD_COUNT_64, .optional = true, AT(search_document, search.evaluations),
+     .range = FIELD_FROM_TO(1, 1e12)},
+    {"start", FIELD_NODE, .optional = true, AT(search_document, start)},
+    {"start_box", FIELD_NODE, .optional = true, AT(search_document, start_box)},
+    {"reference", FIELD_NODE, .optional = true, AT(search_document, reference)},
+    {"weights", FIELD_NODE, .optional = true, AT(search_document, weights)},
+    {"minimum_widths", FIELD_NODE, .optional = true, AT(search_document, minimum_widths)},
+    {"hold", FIELD_NODE, .optional = true, AT(search_document, hold)},
+    {"tie", FIELD_NODE, .optional = true, AT(search_document, tie)},
+};
+
+// What the search does not honour. A key that goes from here is offered.
+static const char *const not_honoured[] = {
+    "starts",  "evaluations",    "start", "start_box", "reference",
+    "weights", "minimum_widths", "hold",  "tie",
+};
+
+bool search_offered(const struct tree_node *node, struct error *error)
+{
+    for (size_t i = 0; i < G_N_ELEMENTS(not_honoured); i++) {
+        const struct tree_node *value = tree_child(node, not_honoured[i]);
+        if (value == NULL)
+            continue;
+        tree_error(value, error, "this version's search does not know it: expected no such key");
+        return false;
+    }
+    return true;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Names of variables
+
+// Variables that stand side by side.
+struct range {
+    uint32_t first;
+    uint32_t count;
+};
+
+static struct range spring_range(const struct scenario *scenario, uint32_t index)
+{
+    struct range range = {.count = SCENARIO_DIRECTION_COUNT * scenario->springs[index].point_count};
+    for (uint32_t i = 0; i < index; i++)
+        range.first += SCENARIO_DIRECTION_COUNT * scenario->springs[i].point_count;
+    return range;
+}
+
+// "front" or "front.force_x" of a spring.
+static bool find_in_spring(const struct scenario *scenario, uint32_t index, const char *name,
+                           struct range *range)
+{
+    const char *spring = scenario->springs[index].name;
+    if (!g_str_has_prefix(name, spring))
+        return false;
+    *range = spring_range(scenario, index);
+    name += strlen(spring);
+    if (*name == '\0')
+        return true;
+    range->count = scenario->springs[index].point_count;
+    if (strcmp(name, ".force_x") == 0)
+        return true;
+    range->first += range->count;
+    return strcmp(name, ".force_y") == 0;
+}
+
+static bool find_variables(const struct scenario *scenario, const char *name, struct range *range)
+{
+    for (uint32_t i = 0; i < scenario->spring_count; i++) {
+        if (find_in_spring(scenario, i, name, range))
+            return true;
+    }
+    for (uint32_t i = 0; i < scenario->design_space.count; i++) {
+        if (strcmp(scenario->variables[i].name, name) == 0) {
+            *range = (struct range){i, 1};
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool unknown_variable(const struct tree_node *name, const struct scenario *scenario,
+                             struct error *error)
+{
+    enum { SHOWN_MAX = 12 }; // names that a message has room for
+    if (scenario->spring_count > 0) {
+        tree_error(name, error,
+                   "unknown variable '%s': expected a spring, SPRING.force_x, SPRING.force_y, or "
+                   "one force as %s",
+                   name->text, scenario->variables[0].name);
+        return false;
+    }
+    const char *known[SHOWN_MAX + 1] = {NULL};
+    for (uint32_t i = 0; i < scenario->design_space.count && i < SHOWN_MAX; i++)
+        known[i] = scenario->variables[i].name;
+    return field_unknown_key(name, "variable", known, error);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Numbers, one a variable
+
+struct numbers {
+    double *values;                 // (variables) NAN where none is given
+    const struct tree_node **nodes; // (variables) where each stands
+};
+
+static void numbers_init(struct numbers *numbers, uint32_t count)
+{
+    numbers->values = g_new(double, count);
+    numbers->nodes = g_new0(const struct tree_node *, count);
+    for (uint32_t i = 0; i < count; i++)
+        numbers->values[i] = NAN;
+}
+
+static void numbers_fini(struct numbers *numbers)
+{
+    g_free(numbers->values);
+    g_free(numbers->nodes);
+}
+
+// The crash model's variables are forces; what others are is not known.
+static const char *unit_of(const struct scenario *scenario)
+{
+    return scenario->model == SCENARIO_MODEL_SMALL_OVERLAP ? "N" : NULL;
+}
+
+static bool read_range(const struct tree_node *node, struct range variables,
+                       const struct field_range *range, const char *unit, struct numbers *numbers,
+                       struct error *error)
+{
+    if (!field_read_numbers(node, range, unit, numbers->values + variables.first, variables.count,
+                            error))
+        return false;
+    for (uint32_t i = 0; i < variables.count; i++)
+        numbers->nodes[variables.first + i] = node->kind == TREE_SEQUENCE ? node->items[i] : node;
+    return true;
+}
+
+static bool read_named(const struct tree_node *mapping, const struct scenario *scenario,
+                       const struct field_range *range, const char *unit, struct numbers *numbers,
+                       struct error *error)
+{
+    for (uint32_t i = 0; i < mapping->count; i++) {
+        struct range variables;
+        if (!find_variables(scenario, mapping->keys[i]->text, &variables))
+            return unknown_variable(mapping->keys[i], scenario, error);
+        for (uint32_t v = variables.first; v < variables.first + variables.count; v++) {
+            if (numbers->nodes[v] == NULL)
+                continue;
+            tree_error(mapping->keys[i], error, "%s is given twice: expected it once",
+                       scenario->variables[v].name);
+            return false;
+        }
+        if (!read_range(mapping->items[i], variables, range, unit, numbers, error))
+            return false;
+    }
+    return true;
+}
+
+static bool read_numbers(const struct tree_node *node, const struct scenario *scenario,
+                         const struct field_range *range, const char *unit, struct numbers *numbers,
+                         struct error *error)
+{
+    const struct range all = {0, scenario->design_space.count};
+    return node->kind == TREE_MAPPING ? read_named(node, scenario, range, unit, numbers, error)
+                                      : read_range(node, all, range, unit, numbers, error);
+}
+
+// Takes the values; what is not given becomes `otherwise`.
+static double *take_values(struct numbers *numbers, uint32_t count, double otherwise)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (numbers->nodes[i] == NULL)
+            numbers->values[i] = otherwise;
+    }
+    return g_steal_pointer(&numbers->values);
+}
+
+// Reads numbers of which not all need be given. Returns NULL with `error` filled.
+static double *read_partial(const struct tree_node *node, const struct scenario *scenario,
+                            const struct field_range *range, const char *unit, double otherwise,
+                            struct error *error)
+{
+    const uint32_t count = scenario->design_space.count;
+    struct numbers numbers;
+    numbers_init(&numbers, count);
+    double *values = NULL;
+    if (read_numbers(node, scenario, range, unit, &numbers, error))
+        values = take_values(&numbers, count, otherwise);
+    numbers_fini(&numbers);
+    return values;
+}
+
+// Whether every given number lies in the design space.
+static bool inside_space(const struct numbers *numbers, const struct scenario *scenario,
+                         struct error *error)
+{
+    const struct box *space = &scenario->design_space;
+    for (uint32_t i = 0; i < space->count; i++) {
+        if (numbers->nodes[i] == NULL ||
+            (numbers->values[i] >= space->lower[i] && numbers->values[i] <= space->upper[i]))
+            continue;
+        tree_error(numbers->nodes[i], error,
+                   "expected %s inside the design space, %.15g to %.15g, found %.15g",
+                   scenario->variables[i].name, space->lower[i], space->upper[i],
+                   numbers->values[i]);
+        return false;
+    }
+    return true;
+}
+
+// Whether every free variable has a number; fixed ones get the one they have.
+static bool complete(struct numbers *numbers, const struct tree_node *node,
+                     const struct scenario *scenario, struct error *error)
+{
+    const struct box *space = &scenario->design_space;
+    for (uint32_t i = 0; i < space->count; i++) {
+        if (numbers->nodes[i] != NULL)
+            continue;
+        if (space->lower[i] < space->upper[i]) {
+            tree_error(node, error, "%s is missing: expected a number for every free variable",
+                       scenario->variables[i].name);
+            return false;
+        }
+        numbers->values[i] = space->lower[i];
+    }
+    return true;
+}
+
+// Reads a design. Returns NULL with `error` filled.
+static double *read_design(const struct tree_node *node, const struct scenario *scenario,
+                           struct error *error)
+{
+    static const struct field_range any = FIELD_ANY;
+    struct numbers numbers;
+    numbers_init(&numbers, scenario->design_space.count);
+    double *values = NULL;
+    if (read_numbers(node, scenario, &any, unit_of(scenario), &numbers, error) &&
+        inside_space(&numbers, scenario, error) && complete(&numbers, node, scenario, error))
+        values = g_steal_pointer(&numbers.values);
+    numbers_fini(&numbers);
+    return values;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Starts
+
+static double *centre(const struct box *space)
+{
+    double *values = g_new(double, space->count);
+    for (uint32_t i = 0; i < space->count; i++)
+        values[i] = 0.5 * space->lower[i] + 0.5 * space->upper[i];
+    return values;
+}
+
+static bool read_start(const struct tree_node *node, const struct scenario *scenario,
+                       struct scenario_search *search, struct error *error)
+{
+    const bool word = node->kind == TREE_SCALAR && strcmp(node->text, "centre") == 0;
+    search->start = word ? centre(&scenario->design_space) : read_design(node, scenario, error);
+    return search->start != NULL;
+}
+
+struct bounds_document {
+    const struct tree_node *lower;
+    const struct tree_node *upper;
+};
+
+static const struct field box_fields[] = {
+    {"lower", FIELD_NODE, AT(bounds_document, lower), .expected = "a number for every variable"},
+    {"upper", FIELD_NODE, AT(bounds_document, upper), .expected = "a number for every variable"},
+};
+
+static bool read_start_box(const struct tree_node *node, const struct scenario *scenario,
+                           struct scenario_search *search, struct error *error)
+{
+    struct bounds_document document = {0};
+    if (!field_read(node, box_fields, G_N_ELEMENTS(box_fields), &document, error))
+        return false;
+    struct box *box = &search->start_box;
+    box->lower = read_design(document.lower, scenario, error);
+    box->upper = box->lower != NULL ? read_design(document.upper, scenario, error) : NULL;
+    box->count = scenario->design_space.count;
+    if (box->upper == NULL)
+        return false;
+    for (uint32_t i = 0; i < box->count; i++) {
+        if (box->lower[i] <= box->upper[i])
+            continue;
+        tree_error(document.upper, error,
+                   "expected %s at least at its lower bound of %.15g, found %.15g",
+                   scenario->variables[i].name, box->lower[i], box->upper[i]);
+        return false;
+    }
+    return true;
+}
+
+// ------------------------------------------------------------------------------------------------
+// What is held
+
+static const struct field hold_fields[] = {
+    {"lower", FIELD_NODE, .optional = true, AT(bounds_document, lower)},
+    {"upper", FIELD_NODE, .optional = true, AT(bounds_document, upper)},
+};
+
+// Returns NULL with `error` filled.
+static double *read_held(const struct tree_node *node, const struct scenario *scenario,
+                         struct error *error)
+{
+    static const struct field_range any = FIELD_ANY;
+    struct numbers numbers;
+    numbers_init(&numbers, scenario->design_space.count);
+    double *values = NULL;
+    if (read_numbers(node, scenario, &any, unit_of(scenario), &numbers, error) &&
+        inside_space(&numbers, scenario, error))
+        values = g_steal_pointer(&numbers.values);
+    numbers_fini(&numbers);
+    return values;
+}
+
+// Held bounds as an interval: the design space where nothing is held.
+static void held_interval(const struct scenario *scenario, const struct scenario_hold *hold,
+                          uint32_t variable, double *lower, double *upper)
+{
+    *lower = scenario->design_space.lower[variable];
+    *upper = scenario->design_space.upper[variable];
+    if (hold->lower != NULL && !isnan(hold->lower[variable]))
+        *lower = hold->lower[variable];
+    if (hold->upper != NULL && !isnan(hold->upper[variable]))
+        *upper = hold->upper[variable];
+}
+
+// Something must be left to search for: a free variable of which not both bounds are held.
+static bool leaves_freedom(const struct tree_node *node, const struct scenario *scenario,
+                           const struct scenario_hold *hold, struct error *error)
+{
+    for (uint32_t i = 0; i < scenario->design_space.count; i++) {
+        if (scenario->design_space.lower[i] < scenario->design_space.upper[i] &&
+            (hold->lower == NULL || hold->upper == NULL || isnan(hold->lower[i]) ||
+             isnan(hold->upper[i])))
+            return true;
+    }
+    tree_error(node, error, "every bound is held: expected at least one that may move");
+    return false;
+}
+
+static bool read_hold(const struct tree_node *node, const struct scenario *scenario,
+                      struct scenario_search *search, struct error *error)
+{
+    struct bounds_document document = {0};
+    struct scenario_hold *hold = &search->hold;
+    if (!field_read(node, hold_fields, G_N_ELEMENTS(hold_fields), &document, error))
+        return false;
+    if (node->count == 0) {
+        tree_error(node, error, "expected lower, upper or both, found neither");
+        return false;
+    }
+    if (document.lower != NULL &&
+        (hold->lower = read_held(document.lower, scenario, error)) == NULL)
+        return false;
+    if (document.upper != NULL &&
+        (hold->upper = read_held(document.upper, scenario, error)) == NULL)
+        return false;
+    for (uint32_t i = 0; i < scenario->design_space.count; i++) {
+        double lower, upper;
+        held_interval(scenario, hold, i, &lower, &upper);
+        if (lower <= upper)
+            continue;
+        tree_error(tree_spot(node, "upper"), error,
+                   "expected the upper bound of %s at least at the lower one of %.15g, found %.15g",
+                   scenario->variables[i].name, lower, upper);
+        return false;
+    }
+    return leaves_freedom(node, scenario, hold, error);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Ties
+
+// Two tied springs stand for each other point by point, so they must have the same ones.
+static bool same_points(const struct scenario *scenario, struct range a, struct range b)
+{
+    if (a.count != b.count)
+        return false;
+    for (uint32_t i = 0; a.count > 1 && i < a.count; i++) {
+        const struct scenario_variable *one = &scenario->variables[a.first + i];
+        const struct scenario_variable *other = &scenario->variables[b.first + i];
+        if (scenario->springs[one->spring].deformation[one->point] !=
+            scenario->springs[other->spring].deformation[other->point])
+            return false;
+    }
+    return true;
+}
+
+static bool tie_variable(const struct tree_node *node, const struct scenario *scenario,
+                         uint32_t variable, uint32_t first, uint32_t *tie, struct error *error)
+{
+    const struct box *space = &scenario->design_space;
+    if (space->lower[variable] != space->lower[first] ||
+        space->upper[variable] != space->upper[first]) {
+        tree_error(node, error,
+                   "expected the design space of %s for %s too, %.15g to %.15g, found %.15g to "
+                   "%.15g",
+                   scenario->variables[first].name, scenario->variables[variable].name,
+                   space->lower[first], space->upper[first], space->lower[variable],
+                   space->upper[variable]);
+        return false;
+    }
+    tie[variable] = first;
+    return true;
+}
+
+// One list of names that share a corridor. `taken` marks variables of lists before.
+static bool read_tie_list(const struct tree_node *list, const struct scenario *scenario,
+                          bool *taken, uint32_t *tie, struct error *error)
+{
+    char shown[TREE_SHOWN_SIZE];
+    if (list->kind != TREE_SEQUENCE || list->count < 2) {
+        tree_error(list, error, "expected a list of at least 2 names, found %s",
+                   tree_shown(list, shown));
+        return false;
+    }
+    struct range first = {0};
+    for (uint32_t i = 0; i < list->count; i++) {
+        const struct tree_node *name = list->items[i];
+        struct range range;
+        if (name->kind != TREE_SCALAR) {
+            tree_error(name, error, "expected a name, found %s", tree_shown(name, shown));
+            return false;
+        }
+        if (!find_variables(scenario, name->text, &range))
+            return unknown_variable(name, scenario, error);
+        if (i == 0)
+            first = range;
+        if (!same_points(scenario, first, range)) {
+            tree_error(name, error, "expected the discretization points of %s for %s too",
+                       list->items[0]->text, name->text);
+            return false;
+        }
+        for (uint32_t k = 0; k < range.count; k++) {
+            if (taken[range.first + k]) {
+                tree_error(name, error, "%s is tied twice: expected it once",
+                           scenario->variables[range.first + k].name);
+                return false;
+            }
+            taken[range.first + k] = true;
+            if (i > 0 &&
+                !tie_variable(name, scenario, range.first + k, first.first + k, tie, error))
+                return false;
+        }
+    }
+    return true;
+}
+
+// Lists name variables in any order; the struct points at the lowest of each.
+static void point_at_lowest(uint32_t *tie, uint32_t count)
+{
+    uint32_t *lowest = g_new(uint32_t, count);
+    for (uint32_t i = 0; i < count; i++)
+        lowest[i] = UINT32_MAX;
+    for (uint32_t i = 0; i < count; i++)
+        lowest[tie[i]] = MIN(lowest[tie[i]], i);
+    for (uint32_t i = 0; i < count; i++)
+        tie[i] = lowest[tie[i]];
+    g_free(lowest);
+}
+
+static bool read_tie(const struct tree_node *node, const struct scenario *scenario,
+                     struct scenario_search *search, struct error *error)
+{
+    char shown[TREE_SHOWN_SIZE];
+    const uint32_t count = scenario->design_space.count;
+    if (node->kind != TREE_SEQUENCE || node->count < 1) {
+        tree_error(node, error, "expected a list of lists of names that share a corridor, found %s",
+                   tree_shown(node, shown));
+        return false;
+    }
+    search->tie = g_new(uint32_t, count);
+    for (uint32_t i = 0; i < count; i++)
+        search->tie[i] = i;
+    bool *taken = g_new0(bool, count), read = true;
+    for (uint32_t i = 0; i < node->count && read; i++)
+        read = read_tie_list(node->items[i], scenario, taken, search->tie, error);
+    g_free(taken);
+    point_at_lowest(search->tie, count);
+    return read;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Checks across keys
+
+static bool same_number(const double *numbers, uint32_t a, uint32_t b)
+{
+    return numbers == NULL || numbers[a] == numbers[b] || (isnan(numbers[a]) && isnan(numbers[b]));
+}
+
+// Variables that share a corridor cannot be asked to differ in it.
+static bool check_tie(const struct tree_node *node, const struct scenario *scenario,
+                      const struct scenario_search *search, struct error *error)
+{
+    const struct {
+        const char *key;
+        const double *numbers;
+    } lists[] = {
+        {"weights", search->weights},           {"minimum_widths", search->minimum_widths},
+        {"hold", search->hold.lower},           {"hold", search->hold.upper},
+        {"start_box", search->start_box.lower}, {"start_box", search->start_box.upper},
+    };
+    for (uint32_t i = 0; search->tie != NULL && i < scenario->design_space.count; i++) {
+        for (size_t k = 0; k < G_N_ELEMENTS(lists); k++) {
+            if (same_number(lists[k].numbers, i, search->tie[i]))
+                continue;
+            tree_error(tree_child(node, lists[k].key), error,
+                       "expected the same for %s and %s, which are tied",
+                       scenario->variables[search->tie[i]].name, scenario->variables[i].name);
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool check_minimum_widths(const struct tree_node *node, const struct scenario *scenario,
+                                 const struct scenario_search *search, struct error *error)
+{
+    for (uint32_t i = 0; search->minimum_widths != NULL && i < scenario->design_space.count; i++) {
+        double lower, upper;
+        held_interval(scenario, &search->hold, i, &lower, &upper);
+        if (search->minimum_widths[i] <= upper - lower)
+            continue;
+        tree_error(tree_child(node, "minimum_widths"), error,
+                   "expected at most %.15g for %s, all there is, found %.15g", upper - lower,
+                   scenario->variables[i].name, search->minimum_widths[i]);
+        return false;
+    }
+    return true;
+}
+
+// Where a design, or a bound of the start box, must lie.
+static bool check_within(const struct tree_node *node, const struct scenario *scenario,
+                         const double *values, const struct box *box, const char *what,
+                         struct error *error)
+{
+    for (uint32_t i = 0; values != NULL && i < box->count; i++) {
+        if (values[i] >= box->lower[i] && values[i] <= box->upper[i])
+            continue;
+        tree_error(node, error, "expected %s inside %s, %.15g to %.15g, found %.15g",
+                   scenario->variables[i].name, what, box->lower[i], box->upper[i], values[i]);
+        return false;
+    }
+    return true;
+}
+
+// The start box begins with the bounds that are held.
+static bool check_held(const struct tree_node *node, const struct scenario *scenario,
+                       const double *held, const double *bounds, struct error *error)
+{
+    for (uint32_t i = 0; held != NULL && bounds != NULL && i < scenario->design_space.count; i++) {
+        if (isnan(held[i]) || held[i] == bounds[i])
+            continue;
+        tree_error(node, error, "expected the held bound of %s, %.15g, found %.15g",
+                   scenario->variables[i].name, held[i], bounds[i]);
+        return false;
+    }
+    return true;
+}
+
+static bool check_places(const struct tree_node *node, const struct scenario *scenario,
+                         const struct scenario_search *search, struct error *error)
+{
+    struct box held;
+    box_init(&held, scenario->design_space.count);
+    for (uint32_t i = 0; i < held.count; i++)
+        held_interval(scenario, &search->hold, i, &held.lower[i], &held.upper[i]);
+    const struct tree_node *start_box = tree_child(node, "start_box");
+    const struct tree_node *reference = tree_child(node, "reference");
+    bool met =
+        check_within(tree_child(node, "start"), scenario, search->start, &held,
+                     "the bounds that are held", error) &&
+        check_within(reference, scenario, search->reference, &held, "the bounds that are held",
+                     error) &&
+        check_within(reference, scenario, search->reference, &search->start_box, "the start_box",
+                     error) &&
+        check_held(start_box, scenario, search->hold.lower, search->start_box.lower, error) &&
+        check_held(start_box, scenario, search->hold.upper, search->start_box.upper, error);
+    box_fini(&held);
+    return met;
+}
+
+static bool check_counts(const struct tree_node *node, const struct scenario *scenario,
+                         const struct scenario_search *search, struct error *error)
+{
+    const uint64_t samples_max = STEP_VALUES_MAX / scenario->design_space.count;
+    const uint64_t least = (uint64_t)search->samples + search->certificate_samples;
+    if (search->samples > samples_max) {
+        tree_error(tree_spot(node, "samples"), error,
+                   "expected at most %llu samples for %u variables, found %u",
+                   (unsigned long long)samples_max, scenario->design_space.count, search->samples);
+        return false;
+    }
+    if (search->evaluations > 0 && search->evaluations < least) {
+        tree_error(tree_child(node, "evaluations"), error,
+                   "expected at least %llu, the samples of a step and of the certificate, found "
+                   "%llu",
+                   (unsigned long long)least, (unsigned long long)search->evaluations);
+        return false;
+    }
+    return true;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The whole
+
+static bool read_lists(const struct tree_node *node, const struct search_document *document,
+                       struct scenario *scenario, struct error *error)
+{
+    static const struct field_range positive = FIELD_POSITIVE, not_negative = FIELD_NOT_NEGATIVE;
+    struct scenario_search *search = &scenario->search;
+    if (document->start != NULL && document->start_box != NULL) {
+        tree_error(document->start_box, error, "expected start or start_box, found both");
+        return false;
+    }
+    if (document->weights != NULL &&
+        (search->weights = read_partial(document->weights, scenario, &positive, NULL, 1, error)) ==
+            NULL)
+        return false;
+    if (document->minimum_widths != NULL &&
+        (search->minimum_widths = read_partial(document->minimum_widths, scenario, &not_negative,
+                                               unit_of(scenario), 0, error)) == NULL)
+        return false;
+    if (document->reference != NULL &&
+        (search->reference = read_design(document->reference, scenario, error)) == NULL)
+        return false;
+    return (document->start == NULL || read_start(document->start, scenario, search, error)) &&
+           (document->start_box == NULL ||
+            read_start_box(document->start_box, scenario, search, error)) &&
+           (document->hold == NULL || read_hold(document->hold, scenario, search, error)) &&
+           (document->tie == NULL || read_tie(document->tie, scenario, search, error)) &&
+           check_tie(node, scenario, search, error) &&
+           check_minimum_widths(node, scenario, search, error) &&
+           check_places(node, scenario, search, error);
+}
+
+bool search_read(const struct tree_node *node, struct scenario *scenario, struct error *error)
+{
+    struct search_document document = {.search = scenario->search};
+    if (!field_read(node, search_fields, G_N_ELEMENTS(search_fields), &document, error))
+        return false;
+    scenario->search = document.search;
+    return check_counts(node, scenario, &scenario->search, error) &&
+           read_lists(node, &document, scenario, error);
+}
