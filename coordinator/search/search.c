@@ -11,6 +11,7 @@
 
 enum {
     SEARCH_STARTS = 3,        // boxes that are grown at first, one from each start
+    SEARCH_START_STEPS = 40,  // of exploration for each start beyond the first
     SEARCH_CHUNK = 1024,      // samples made at once when a step is gone through
     SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
     SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
@@ -389,16 +390,25 @@ static uint32_t round_steps(const struct search *search)
     return fair < 1 ? 1 : fair < SEARCH_GROW_STEPS ? fair : SEARCH_GROW_STEPS;
 }
 
+// More starts where there are steps to spend on them, but never the middle of the good designs
+// alone: it may be bad.
+static uint32_t start_count(const struct search *search)
+{
+    const uint32_t count = 1 + search->scenario->search.exploration_steps / SEARCH_START_STEPS;
+    return count < 2 ? 2 : count < SEARCH_STARTS ? count : SEARCH_STARTS;
+}
+
 static void start_explore(struct search *search)
 {
-    uint32_t picked[SEARCH_STARTS];
-    const struct cloud *good = &search->seek.good;
-    search->left_count = seek_pick(&search->seek, SEARCH_STARTS, picked);
-    for (uint32_t i = 0; i < search->left_count; i++) {
+    struct cloud starts;
+    cloud_init(&starts, search->space.count);
+    seek_starts(&search->seek, start_count(search), &starts);
+    search->left_count = starts.count;
+    for (uint32_t i = 0; i < starts.count; i++) {
         search->left[i] = i;
-        explore_init(&search->explores[i], &search->space, good->values + picked[i],
-                     good->capacity);
+        explore_init(&search->explores[i], &search->space, starts.values + i, starts.capacity);
     }
+    cloud_fini(&starts);
     search->phase = SEARCH_PHASE_EXPLORE;
     search->turn = 0;
     search->turn_steps = round_steps(search);
@@ -540,7 +550,7 @@ static void settle(struct search *search)
     if (search->trial_steps == 0 && way > search_average_after)
         take_average(search);
     const uint32_t left = search->consolidate_count - search->consolidate_steps;
-    if (left == SEARCH_TRIAL_STEPS) {
+    if (left == SEARCH_TRIAL_STEPS && search->trial_steps == 0) {
         if (search->average_count > 0)
             explore_move(current(search), &search->average);
         start_trial(search);
@@ -556,11 +566,13 @@ static void complete_consolidate(struct search *search)
     else
         balance_once(search);
     search->consolidate_steps++;
-    const uint32_t settled = (uint32_t)(search_settle_after * search->consolidate_count);
-    if (search->consolidate_steps > settled)
-        settle(search);
-    else if (search->consolidate_steps == settled)
+    const uint32_t count = search->consolidate_count;
+    const uint32_t settled = (uint32_t)(search_settle_after * count);
+    // The first trial is over before the last one starts, or does not take place.
+    if (search->consolidate_steps == settled && count - settled > 2 * SEARCH_TRIAL_STEPS)
         start_trial(search);
+    else if (search->consolidate_steps > settled)
+        settle(search);
 }
 
 static void complete_certify(struct search *search)

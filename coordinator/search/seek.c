@@ -127,7 +127,8 @@ static double apart(const struct seek *seek, uint32_t one, const double *two, si
     return sum;
 }
 
-static uint32_t most_central(const struct seek *seek)
+// The mean of the good designs.
+static double *middle_of(const struct seek *seek)
 {
     const uint32_t variables = seek->space->count;
     double *mean = g_new0(double, variables + 1);
@@ -135,40 +136,48 @@ static uint32_t most_central(const struct seek *seek)
         for (uint32_t i = 0; i < seek->good.count; i++)
             mean[v] += cloud_column(&seek->good, v)[i] / seek->good.count;
     }
-    uint32_t best = 0;
-    double least = apart(seek, 0, mean, 1);
-    for (uint32_t i = 1; i < seek->good.count; i++) {
-        const double distance = apart(seek, i, mean, 1);
-        if (distance < least) {
-            best = i;
-            least = distance;
-        }
-    }
-    g_free(mean);
-    return best;
+    return mean;
 }
 
-uint32_t seek_pick(const struct seek *seek, uint32_t count, uint32_t *picked)
+// Lowers `nearest`, the distances of all good designs from the points chosen so far, for one more.
+static void come_nearer(const struct seek *seek, double *nearest, const double *point,
+                        size_t stride)
 {
-    const uint32_t found = seek->good.count;
-    if (found == 0 || count == 0)
-        return 0;
-    double *nearest = g_new(double, found); // from each to the picked ones
-    picked[0] = most_central(seek);
-    uint32_t done = 1;
-    for (uint32_t i = 0; i < found; i++)
-        nearest[i] = apart(seek, i, seek->good.values + picked[0], seek->good.capacity);
-    for (; done < count && done < found; done++) {
-        uint32_t farthest = 0;
-        for (uint32_t i = 1; i < found; i++)
-            farthest = nearest[i] > nearest[farthest] ? i : farthest;
-        picked[done] = farthest;
-        for (uint32_t i = 0; i < found; i++) {
-            const double distance =
-                apart(seek, i, seek->good.values + farthest, seek->good.capacity);
-            nearest[i] = distance < nearest[i] ? distance : nearest[i];
+    for (uint32_t i = 0; i < seek->good.count; i++) {
+        const double distance = apart(seek, i, point, stride);
+        nearest[i] = distance < nearest[i] ? distance : nearest[i];
+    }
+}
+
+void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts)
+{
+    const struct cloud *good = &seek->good;
+    if (good->count == 0 || count == 0)
+        return;
+    double *middle = middle_of(seek);
+    double *nearest = g_new(double, good->count);
+    if (good->count > 1) {
+        cloud_add(starts, middle, 1, 0);
+        count--;
+    }
+    for (uint32_t i = 0; i < good->count; i++)
+        nearest[i] = apart(seek, i, middle, 1);
+    for (uint32_t done = 0; done < count && done < good->count; done++) {
+        // The first is the one nearest to the middle, the others are far from all before them.
+        uint32_t best = 0;
+        for (uint32_t i = 1; i < good->count; i++) {
+            if (done == 0 ? nearest[i] < nearest[best] : nearest[i] > nearest[best])
+                best = i;
+        }
+        const double *point = good->values + best;
+        cloud_add(starts, point, good->capacity, 0);
+        if (done == 0) {
+            for (uint32_t i = 0; i < good->count; i++)
+                nearest[i] = apart(seek, i, point, good->capacity);
+        } else {
+            come_nearer(seek, nearest, point, good->capacity);
         }
     }
     g_free(nearest);
-    return done;
+    g_free(middle);
 }

@@ -45,8 +45,10 @@ void seek_fini(struct seek *seek);
 void seek_complete(struct seek *seek, const struct cloud *good, const struct cloud *bad,
                    uint32_t samples);
 
-// Picks up to `count` of the good designs, far apart from each other, the most central one first,
-// and writes their indexes in seek->good. Returns how many.
-uint32_t seek_pick(const struct seek *seek, uint32_t count, uint32_t *picked);
+// Adds up to `count` points to `starts` from which boxes may grow: the middle of the good designs,
+// where a connected region is widest (it need not be good itself), then good designs far apart from
+// each other, the most central one first. Fewer when there are not so many good ones; at least one
+// of two or more is good.
+void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts);
 
 #endif

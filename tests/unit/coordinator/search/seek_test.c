@@ -92,8 +92,9 @@ static void seeking_ends_without_a_good_design(void **state)
     box_fini(&space);
 }
 
-// The central design first, then the ones farthest from those picked; never one twice.
-static void picks_lie_far_apart(void **state)
+// The middle of the good designs first, then the good one nearest to it, then those farthest from
+// the ones chosen; none twice.
+static void starts_lie_far_apart(void **state)
 {
     (void)state;
     struct box space = box_cube(1, 0, 10);
@@ -101,21 +102,27 @@ static void picks_lie_far_apart(void **state)
     seek_init(&seek, &space, 6);
     struct cloud good = CLOUD(1, 1, 1.1, 5, 5.1, 9, 9.4);
     struct cloud none;
+    struct cloud starts;
     cloud_init(&none, 1);
+    cloud_init(&starts, 1);
     seek_complete(&seek, &good, &none, 6);
-    uint32_t picked[8];
-    assert_int_equal(seek_pick(&seek, 3, picked), 3);
-    assert_int_equal(picked[0], 3);
-    assert_int_equal(picked[1], 5);
-    assert_int_equal(picked[2], 0);
-    assert_int_equal(seek_pick(&seek, 8, picked), 6);
-    for (uint32_t i = 0; i < 6; i++) {
-        for (uint32_t j = 0; j < i; j++)
-            assert_int_not_equal(picked[i], picked[j]);
+    seek_starts(&seek, 4, &starts);
+    assert_int_equal(starts.count, 4);
+    assert_true(fabs(starts.values[0] - 30.6 / 6) < 1e-12);
+    assert_true(starts.values[1] == 5.1);
+    assert_true(starts.values[2] == 9.4);
+    assert_true(starts.values[3] == 1);
+    cloud_clear(&starts);
+    seek_starts(&seek, 20, &starts);
+    assert_int_equal(starts.count, 7);
+    for (uint32_t i = 1; i < 7; i++) {
+        for (uint32_t j = 1; j < i; j++)
+            assert_true(starts.values[i] != starts.values[j]);
     }
     seek_fini(&seek);
     cloud_fini(&good);
     cloud_fini(&none);
+    cloud_fini(&starts);
     box_fini(&space);
 }
 
@@ -125,7 +132,7 @@ int main(void)
         cmocka_unit_test(common_good_designs_need_one_round),
         cmocka_unit_test(violation_leads_to_a_tiny_region),
         cmocka_unit_test(seeking_ends_without_a_good_design),
-        cmocka_unit_test(picks_lie_far_apart),
+        cmocka_unit_test(starts_lie_far_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
