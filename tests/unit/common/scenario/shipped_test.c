@@ -67,6 +67,51 @@ static void shipped_geometry_is_a_small_overlap(void **state)
     }
 }
 
+// Every problem with a known answer is accepted and named after its file, and its model is the one
+// that the file's name promises.
+static void shipped_benchmarks_are_valid(void **state)
+{
+    (void)state;
+    GError *reason = NULL;
+    GDir *folder = g_dir_open(SOBOX_SOURCE_DIR "/deploy/scenarios/benchmarks", 0, &reason);
+    assert_non_null(folder);
+    uint32_t count = 0;
+    for (const char *file; (file = g_dir_read_name(folder)) != NULL; count++) {
+        assert_true(g_str_has_suffix(file, ".yaml"));
+        char *name = g_strndup(file, strlen(file) - strlen(".yaml"));
+        char *path = g_strconcat("benchmarks/", name, NULL);
+        struct scenario scenario = read_shipped(path, NULL);
+        assert_string_equal(scenario.name, name);
+        g_strdelimit(name, "-", '_');
+        assert_true(g_str_has_prefix(name, scenario_model_name(scenario.model)));
+        assert_true(box_free_count(&scenario.design_space) == scenario.design_space.count);
+        scenario_fini(&scenario);
+        g_free(path);
+        g_free(name);
+    }
+    assert_int_equal(count, 13);
+    g_dir_close(folder);
+}
+
+// The wagon is the sedan's structure in a heavier car that reaches further ahead of its COG.
+static void shipped_cases_share_their_front(void **state)
+{
+    (void)state;
+    struct scenario scenario = read_shipped("sedan-and-wagon", NULL);
+    struct scenario sedan = read_shipped("sedan-two-springs", NULL);
+    assert_int_equal(scenario.case_count, 2);
+    assert_true(box_equal(&scenario.design_space, &sedan.design_space));
+    const struct scenario *base = &scenario.cases[0], *wagon = &scenario.cases[1];
+    assert_memory_equal(&base->vehicle, &sedan.vehicle, sizeof sedan.vehicle);
+    assert_true(wagon->vehicle.mass > base->vehicle.mass);
+    // From the A-pillar to the face it is the same front.
+    assert_true(fabs((wagon->springs[0].position[0] - wagon->barrier.face_x) -
+                     (base->springs[0].position[0] - base->barrier.face_x)) < 1e-9);
+    assert_true(wagon->springs[0].length == base->springs[0].length);
+    scenario_fini(&sedan);
+    scenario_fini(&scenario);
+}
+
 // The first file shows every key, so leaving the optional ones out changes nothing.
 static void the_complete_example_shows_the_defaults(void **state)
 {
@@ -89,6 +134,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shipped_scenarios_are_valid),
         cmocka_unit_test(shipped_geometry_is_a_small_overlap),
+        cmocka_unit_test(shipped_benchmarks_are_valid),
+        cmocka_unit_test(shipped_cases_share_their_front),
         cmocka_unit_test(the_complete_example_shows_the_defaults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
