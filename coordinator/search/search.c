@@ -16,7 +16,7 @@ enum {
     SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
     SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
     SEARCH_TRIAL_STEPS = 5,   // that a box cut out of the known bad samples is put to
-    SEARCH_GROW_STEPS = 5,    // of each box between two decisions of the tournament
+    SEARCH_GROW_STEPS = 6,    // of each box between two decisions of the tournament
 };
 
 // The good share that exploration aims at, as a bad share.
