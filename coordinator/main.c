@@ -1,13 +1,16 @@
-// sobox-coordinator: reads a scenario, runs its search on the workers, writes the run folder.
+// sobox-coordinator: reads a scenario or a sweep, runs its searches on the workers, writes the run
+// folder.
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/base/wait_policy.h"
 #include "common/scenario/scenario_read.h"
+#include "common/scenario/sweep.h"
 #include "common/wire/key.h"
 #include "coordinator/report/report.h"
 #include "coordinator/runtime/children.h"
 #include "coordinator/runtime/coordinator.h"
+#include "coordinator/runtime/preview.h"
 #include "coordinator/runtime/run.h"
 #include "worker/runtime/worker.h"
 
@@ -21,7 +24,7 @@ static const char program_summary[] =
     "and writes them, with the journal of the search, into a run folder.\n"
     "\n"
     "Without --url and --workers a worker runs inside this process on all cores, and nothing\n"
-    "touches the network.";
+    "touches the network. A file with the key `sweep` is a sweep: a search for each of its cases.";
 
 static const char program_description[] =
     "Examples:\n"
@@ -30,6 +33,8 @@ static const char program_description[] =
     "  sobox-coordinator sedan-two-springs.yaml --workers 3\n"
     "  sobox-coordinator sedan-two-springs.yaml --url 'udpm://239.255.76.67:7667?ttl=1'\n"
     "  sobox-coordinator --resume runs/sedan-two-springs\n"
+    "  sobox-coordinator masses.yaml --dry-run\n"
+    "  sobox-coordinator masses.yaml --only 'mass=1500,*'\n"
     "  sobox-coordinator --new-key sobox.key\n"
     "\n"
     "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 finished, but no "
@@ -50,6 +55,12 @@ struct options {
     char *new_key;
     char **set; // NULL-terminated
     char *seed;
+    char *only;
+    char *shard;
+    struct run_choice choice; // from only, shard, stop_after and keep_going
+    int stop_after;
+    gboolean keep_going;
+    gboolean dry_run;
     int workers;
     int threads;
     int mtu;
@@ -67,6 +78,8 @@ static void options_fini(struct options *options)
     g_free(options->key_file);
     g_free(options->new_key);
     g_free(options->seed);
+    g_free(options->only);
+    g_free(options->shard);
     g_strfreev(options->set);
 }
 
@@ -84,6 +97,49 @@ static enum status check_ranges(const struct options *options, struct error *err
     return STATUS_OK;
 }
 
+// "2/5" is every fifth case from the second one on.
+static bool parse_shard(const char *text, struct run_choice *choice)
+{
+    unsigned shard, count;
+    int length = 0;
+    if (text[0] == '-' || text[0] == '+' || strpbrk(text, " \t") != NULL ||
+        sscanf(text, "%6u/%6u%n", &shard, &count, &length) != 2 || text[length] != '\0' ||
+        shard < 1 || shard > count)
+        return false;
+    choice->shard = shard;
+    choice->shard_count = count;
+    return true;
+}
+
+static enum status check_choice(struct options *options, struct error *error)
+{
+    struct run_choice *choice = &options->choice;
+    *choice = (struct run_choice){.only = options->only,
+                                  .shard = 1,
+                                  .shard_count = 1,
+                                  .stop_after = (uint32_t)options->stop_after,
+                                  .keep_going = options->keep_going};
+    if (options->stop_after < 0)
+        return error_set(error, STATUS_INVALID, "--stop-after %d: expected 1 search or more",
+                         options->stop_after);
+    if (options->shard != NULL && !parse_shard(options->shard, choice))
+        return error_set(error, STATUS_INVALID,
+                         "--shard %s: expected which part of how many, for instance 1/2",
+                         options->shard);
+    return STATUS_OK;
+}
+
+// Options that only a sweep can honour, whatever they are given with.
+static const char *sweep_option(const struct options *options)
+{
+    return options->only != NULL      ? "--only"
+           : options->shard != NULL   ? "--shard"
+           : options->stop_after != 0 ? "--stop-after"
+           : options->keep_going      ? "--keep-going"
+           : options->dry_run         ? "--dry-run"
+                                      : NULL;
+}
+
 static enum status check_together(const struct options *options, struct error *error)
 {
     if (options->new_key != NULL) {
@@ -95,15 +151,26 @@ static enum status check_together(const struct options *options, struct error *e
     }
     if (options->resume != NULL) {
         if (options->scenario != NULL || options->out != NULL || options->seed != NULL ||
-            options->set != NULL)
+            options->set != NULL || options->shard != NULL || options->keep_going ||
+            options->dry_run)
             return error_set(error, STATUS_INVALID,
                              "--resume continues a run as it was begun: it goes without a "
-                             "scenario, --out, --seed and --set");
+                             "scenario, --out, --seed, --set, --shard, --keep-going and --dry-run");
         return STATUS_OK;
     }
     if (options->scenario == NULL)
         return error_set(error, STATUS_INVALID,
                          "no scenario: expected sobox-coordinator SCENARIO.yaml (see --help)");
+    if (sweep_option(options) != NULL && !sweep_detect(options->scenario)) {
+        // A file that is no YAML at all is better told by its own error.
+        struct scenario scenario;
+        enum status status = scenario_read_file(&scenario, options->scenario, NULL, 0, error);
+        if (status == STATUS_OK)
+            status = error_set(error, STATUS_INVALID, "%s goes with a sweep, and %s is a scenario",
+                               sweep_option(options), options->scenario);
+        scenario_fini(&scenario);
+        return status;
+    }
     return STATUS_OK;
 }
 
@@ -136,6 +203,16 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Threads of this process and of each worker it starts (default: all processors)", "N"},
         {"mtu", 0, 0, G_OPTION_ARG_INT, &options->mtu,
          "Greatest message in bytes, the same for all workers (default: 1400)", "BYTES"},
+        {"only", 0, 0, G_OPTION_ARG_STRING, &options->only,
+         "Of a sweep run the cases whose names match, for instance 'mass=1500,*'", "PATTERN"},
+        {"shard", 0, 0, G_OPTION_ARG_STRING, &options->shard,
+         "Of a sweep run every N-th case from the I-th on, to split it over coordinators", "I/N"},
+        {"stop-after", 0, 0, G_OPTION_ARG_INT, &options->stop_after,
+         "Of a sweep run N searches now; --resume runs the rest", "N"},
+        {"keep-going", 0, 0, G_OPTION_ARG_NONE, &options->keep_going,
+         "Leave out cases of a sweep whose scenario is invalid, and say which", NULL},
+        {"dry-run", 0, 0, G_OPTION_ARG_NONE, &options->dry_run,
+         "Print the cases of a sweep, estimate its time from a short measurement, and end", NULL},
         {"resume", 'r', 0, G_OPTION_ARG_FILENAME, &options->resume,
          "Continue the run in this folder, to the same bits", "DIR"},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show errors only", NULL},
@@ -162,16 +239,50 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     if (status == STATUS_OK && !options->version)
         status = check_ranges(options, error);
     if (status == STATUS_OK && !options->version)
+        status = check_choice(options, error);
+    if (status == STATUS_OK && !options->version)
         status = check_together(options, error);
     return status;
 }
 
-// Begins a run of the scenario file, or takes up the one in the folder to be resumed.
+static enum status begin_scenario(struct run *run, const struct options *options,
+                                  const GPtrArray *overrides, int threads, struct error *error)
+{
+    struct scenario scenario;
+    enum status status = scenario_read_file(
+        &scenario, options->scenario, (const char *const *)overrides->pdata, overrides->len, error);
+    if (status == STATUS_OK)
+        status = run_create(run, options->out, &scenario, threads, clock_monotonic_ns(), error);
+    scenario_fini(&scenario);
+    return status;
+}
+
+// With --dry-run nothing is begun, and `run` stays zeroed.
+static enum status begin_sweep(struct run *run, const struct options *options,
+                               const GPtrArray *overrides, int threads, struct error *error)
+{
+    struct sweep *sweep;
+    enum status status = sweep_read_file(
+        &sweep, options->scenario, (const char *const *)overrides->pdata, overrides->len, error);
+    if (status != STATUS_OK)
+        return status;
+    if (options->dry_run)
+        status = preview_print(sweep, &options->choice, threads, stdout, error);
+    else
+        status = run_create_sweep(run, options->out, sweep, &options->choice, threads,
+                                  clock_monotonic_ns(), error);
+    sweep_free(sweep);
+    return status;
+}
+
+// Begins a run of the scenario or sweep, or takes up the one in the folder to be resumed.
 static enum status open_run(struct run *run, const struct options *options, int threads,
                             struct error *error)
 {
+    *run = (struct run){0};
     if (options->resume != NULL)
-        return run_resume(run, options->resume, threads, clock_monotonic_ns(), error);
+        return run_resume(run, options->resume, &options->choice, threads, clock_monotonic_ns(),
+                          error);
 
     GPtrArray *overrides = g_ptr_array_new();
     for (char **set = options->set; set != NULL && *set != NULL; set++)
@@ -179,12 +290,9 @@ static enum status open_run(struct run *run, const struct options *options, int 
     char *seed = options->seed ? g_strdup_printf("search.seed=%s", options->seed) : NULL;
     if (seed != NULL)
         g_ptr_array_add(overrides, seed);
-    struct scenario scenario;
-    enum status status = scenario_read_file(
-        &scenario, options->scenario, (const char *const *)overrides->pdata, overrides->len, error);
-    if (status == STATUS_OK)
-        status = run_create(run, options->out, &scenario, threads, clock_monotonic_ns(), error);
-    scenario_fini(&scenario);
+    enum status status = sweep_detect(options->scenario)
+                             ? begin_sweep(run, options, overrides, threads, error)
+                             : begin_scenario(run, options, overrides, threads, error);
     g_ptr_array_free(overrides, TRUE);
     g_free(seed);
     return status;
@@ -233,7 +341,7 @@ static enum status run_on_wire(struct run *run, const struct options *options, i
     }
     if (status == STATUS_OK) {
         const struct coordinator_settings coordinator = {
-            .url = url, .children = children, .open = options->url != NULL};
+            .url = url, .children = children, .open = options->url != NULL, .threads = threads};
         status = coordinator_run(run, wire, sender, &coordinator, error);
     }
     worker_stop(worker);
@@ -283,27 +391,22 @@ static enum status show(const char *directory, struct error *error)
     return report_print(directory, stdout, error);
 }
 
-static bool found_nothing(const struct run *run)
+// What a session that ended as it should says with its exit status.
+static int outcome(const struct run *run, struct error *error)
 {
-    for (uint32_t i = 0; i < run->record.search_count; i++) {
-        struct search_result result;
-        search_result(run->searches[i].search, &result);
-        if (result.status != SEARCH_STATUS_NO_GOOD_DESIGN)
-            return false;
+    const uint32_t waiting = run->record.search_count - run->done_count - run->failed_count;
+    if (run->failed_count > 0)
+        return (int)status_exit(error_set(
+            error, STATUS_FAILED,
+            "%u of %u searches could not be carried out; try again with 'sobox-coordinator "
+            "--resume %s'",
+            run->failed_count, run->record.search_count, run->directory));
+    if (waiting > 0) {
+        log_note("%u of %u searches wait; continue with 'sobox-coordinator --resume %s'", waiting,
+                 run->record.search_count, run->directory);
+        return EXIT_STATUS_DONE;
     }
-    return true;
-}
-
-// Whether anything was sampled: a run that never began is removed, not left as an empty shell.
-static bool began(const struct run *run)
-{
-    for (uint32_t i = 0; i < run->record.search_count; i++) {
-        struct search_progress progress;
-        search_progress(run->searches[i].search, &progress);
-        if (progress.step > 0)
-            return true;
-    }
-    return false;
+    return run->found_count == 0 ? EXIT_STATUS_NO_GOOD_DESIGN : EXIT_STATUS_DONE;
 }
 
 static int run_scenario(const struct options *options, const struct key *key, struct error *error)
@@ -311,7 +414,7 @@ static int run_scenario(const struct options *options, const struct key *key, st
     const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
     struct run run;
     enum status status = open_run(&run, options, threads, error);
-    if (status != STATUS_OK)
+    if (status != STATUS_OK || options->dry_run)
         return (int)status_exit(status);
 
     log_debug("run folder %s", run.directory);
@@ -319,9 +422,9 @@ static int run_scenario(const struct options *options, const struct key *key, st
     int exit_code = (int)status_exit(status);
     if (status == STATUS_OK) {
         status = show(run.directory, error);
-        exit_code = status == STATUS_OK && found_nothing(&run) ? EXIT_STATUS_NO_GOOD_DESIGN
-                                                               : (int)status_exit(status);
-    } else if (!began(&run) && options->resume == NULL) {
+        exit_code = status == STATUS_OK ? outcome(&run, error) : (int)status_exit(status);
+    } else if (run.steps == 0 && options->resume == NULL) {
+        // A run that never began is removed, not left as an empty shell.
         run_abandon(&run);
     }
     run_fini(&run);

@@ -5,6 +5,7 @@
 #include "common/wire/source.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/texts.h"
+#include "coordinator/runtime/trimmer.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
 
@@ -26,7 +27,10 @@ enum {
     STATUS_INTERVAL_MS = 1000,
     SEARCH_STATUS_INTERVAL_MS = 100,
     SEARCH_STATUS_BURST = 32, // searches told of at once; thousands take turns
-    TEXT_PIECES_MAX = 64,     // answered to one request; the worker asks on from there
+    // Searches open at once. A search of thesis size holds some 6 MB at its end (its known bad
+    // samples), so 256 take 1.5 GB at worst.
+    OPEN_MAX = 256,
+    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
 };
 
 // Nobody has answered for so long: say what is being waited for.
@@ -45,8 +49,10 @@ struct coordinator {
     struct texts *texts;
     struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
-    GQueue ready;  // indexes of searches whose step is sampled, or that have not begun
+    GQueue ready;  // indexes of open searches whose step is sampled, or that have just been opened
     uint32_t told; // the search whose turn it is to be told of
+    struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
+    GSource *opener;         // runs once to see whether another search may be opened
     GMainLoop *loop;
     GSource *wake;      // the schedule's next deadline
     int64_t waiting_ns; // since when no worker is there; 0 while there is one
@@ -68,7 +74,7 @@ static void stop(struct coordinator *coordinator, enum status status)
 static void send_batch(struct coordinator *coordinator, uint64_t worker,
                        const struct schedule_batch *batch)
 {
-    const struct run_search *search = &coordinator->run->searches[batch->search];
+    const struct run_search *search = coordinator->run->open[batch->search];
     const struct search_request *request = &search->request;
     const uint32_t variables = search->scenario.design_space.count;
     sobox_sample_batch_t message = {
@@ -107,7 +113,7 @@ static void carry_out(struct coordinator *coordinator)
             break;
         case SCHEDULE_EFFECT_COUNT: {
             const struct schedule_batch *batch = &effect->count.batch;
-            memcpy(coordinator->run->searches[batch->search].verdicts + batch->first,
+            memcpy(coordinator->run->open[batch->search]->verdicts + batch->first,
                    coordinator->unpacked, batch->count * sizeof(struct verdict));
             break;
         }
@@ -134,7 +140,7 @@ static void schedule_take(struct coordinator *coordinator, struct schedule_event
 
 static void publish_search_status(struct coordinator *coordinator, uint32_t index)
 {
-    const struct run_search *search = &coordinator->run->searches[index];
+    const struct run_search *search = coordinator->run->open[index];
     struct search_progress progress;
     struct search_result result;
     search_progress(search->search, &progress);
@@ -164,7 +170,13 @@ static void publish_search_status(struct coordinator *coordinator, uint32_t inde
     g_free(bounds);
 }
 
-enum run_state { RUN_RUNNING, RUN_WAITING, RUN_DONE, RUN_INTERRUPTED, RUN_FAILED };
+enum run_state {
+    RUN_STATE_RUNNING,
+    RUN_STATE_WAITING,
+    RUN_STATE_DONE,
+    RUN_STATE_INTERRUPTED,
+    RUN_STATE_FAILED,
+};
 
 static void publish_run_status(struct coordinator *coordinator, enum run_state state)
 {
@@ -196,38 +208,64 @@ static void publish_run_status(struct coordinator *coordinator, enum run_state s
 
 // ---- Searches ----
 
-// Moves every search that can move: hands sampled steps over, asks for the next ones.
+// The search is done and leaves: what it held is released.
+static void leave(struct coordinator *coordinator, uint32_t index)
+{
+    publish_search_status(coordinator, index);
+    texts_remove(coordinator->texts, &coordinator->run->open[index]->scenario.digest);
+    run_close(coordinator->run, index);
+    g_source_set_ready_time(coordinator->opener, 0);
+}
+
+// Asks a search for its next step and hands that to the schedule.
+static enum status go_on(struct coordinator *coordinator, uint32_t index)
+{
+    struct run *run = coordinator->run;
+    const struct run_search *search = run->open[index];
+    bool wanted = false;
+    enum status status = run_next(run, index, clock_monotonic_ns(), &wanted, coordinator->error);
+    if (status != STATUS_OK)
+        return status;
+    if (!wanted) {
+        leave(coordinator, index);
+        return STATUS_OK;
+    }
+    texts_add(coordinator->texts, &search->box, search->bounds,
+              2 * (size_t)search->scenario.design_space.count * sizeof(double));
+    schedule_take(coordinator, &(struct schedule_event){
+                                   .kind = SCHEDULE_EVENT_STEP,
+                                   .step = {
+                                       .search = index,
+                                       .step = search->request.sampling.step,
+                                       .samples = search->request.sampling.samples,
+                                       .share_only = search->request.detail == VERDICT_DETAIL_SHARE,
+                                   }});
+    return STATUS_OK;
+}
+
+// Moves every search that can move: those that were just opened ask for their first step, those
+// whose step is sampled are trimmed, here or in other threads.
 static enum status advance(struct coordinator *coordinator)
 {
     struct run *run = coordinator->run;
     while (!g_queue_is_empty(&coordinator->ready)) {
         const uint32_t index = GPOINTER_TO_UINT(g_queue_pop_head(&coordinator->ready));
-        struct run_search *search = &run->searches[index];
+        struct run_search *search = run->open[index];
         enum status status = STATUS_OK;
-        bool wanted = false;
         if (search->active) {
             texts_remove(coordinator->texts, &search->box);
-            status = run_complete(run, index, coordinator->error);
+            search->active = false;
+            if (coordinator->trimmer != NULL) {
+                trimmer_take(coordinator->trimmer, search);
+                continue;
+            }
+            run_trim(search);
+            status = run_record(run, index, coordinator->error);
         }
         if (status == STATUS_OK)
-            status = run_next(run, index, clock_monotonic_ns(), &wanted, coordinator->error);
+            status = go_on(coordinator, index);
         if (status != STATUS_OK)
             return status;
-        if (search->done)
-            publish_search_status(coordinator, index);
-        if (!wanted)
-            continue;
-        texts_add(coordinator->texts, &search->box, search->bounds,
-                  2 * (size_t)search->scenario.design_space.count * sizeof(double));
-        schedule_take(coordinator,
-                      &(struct schedule_event){
-                          .kind = SCHEDULE_EVENT_STEP,
-                          .step = {
-                              .search = index,
-                              .step = search->request.sampling.step,
-                              .samples = search->request.sampling.samples,
-                              .share_only = search->request.detail == VERDICT_DETAIL_SHARE,
-                          }});
     }
     return STATUS_OK;
 }
@@ -235,9 +273,96 @@ static enum status advance(struct coordinator *coordinator)
 static void advance_or_stop(struct coordinator *coordinator)
 {
     enum status status = advance(coordinator);
-    if (status != STATUS_OK ||
-        coordinator->run->done_count == coordinator->run->record.search_count)
+    if (status != STATUS_OK || run_finished(coordinator->run))
         stop(coordinator, status);
+}
+
+// Steps that other threads have trimmed. They are written as one, and only then go on: what has
+// been told to anybody is in the journal.
+static enum status take_trimmed(struct coordinator *coordinator, GPtrArray *searches)
+{
+    struct run *run = coordinator->run;
+    enum status status =
+        searches->len > 1 ? journal_begin(run->journal, coordinator->error) : STATUS_OK;
+    for (guint i = 0; i < searches->len && status == STATUS_OK; i++) {
+        const struct run_search *search = searches->pdata[i];
+        status = run_record(run, search->index, coordinator->error);
+    }
+    struct error uncommitted = {0};
+    if (journal_commit(run->journal, &uncommitted) != STATUS_OK && status == STATUS_OK) {
+        *coordinator->error = uncommitted;
+        status = uncommitted.status;
+    }
+    for (guint i = 0; i < searches->len && status == STATUS_OK; i++)
+        status = go_on(coordinator, ((const struct run_search *)searches->pdata[i])->index);
+    return status;
+}
+
+static void heard_trimmed(void *user, GPtrArray *searches)
+{
+    struct coordinator *coordinator = user;
+    enum status status = take_trimmed(coordinator, searches);
+    if (status != STATUS_OK)
+        stop(coordinator, status);
+    else
+        advance_or_stop(coordinator);
+    g_source_set_ready_time(coordinator->opener, 0);
+}
+
+// Whether the workers and the trimming threads have room for another search. When nothing waits to
+// be handed out, every worker has all it may hold or soon will be idle; one more search than that
+// keeps the next batch at hand.
+static bool room_for_search(const struct coordinator *coordinator)
+{
+    const struct run *run = coordinator->run;
+    if (run->open_count == 0)
+        return true;
+    if (coordinator->trimmer == NULL || run->open_count >= OPEN_MAX ||
+        trimmer_load(coordinator->trimmer) >= 2)
+        return false;
+    struct schedule_counters counters;
+    schedule_counters(coordinator->schedule, &counters);
+    return counters.workers > 0 && counters.batches_waiting == 0;
+}
+
+// Opens one search at most, so that messages are heard between two of them.
+static enum status open_search(struct coordinator *coordinator)
+{
+    struct run *run = coordinator->run;
+    uint32_t index;
+    if (!room_for_search(coordinator) || !run_waiting(run, &index))
+        return STATUS_OK;
+    g_source_set_ready_time(coordinator->opener, 0);
+    struct error reason = {0};
+    enum status status = run_open(run, index, clock_monotonic_ns(), &reason);
+    if (status != STATUS_OK) {
+        if (run->record.search_count == 1 || status == STATUS_IO)
+            return error_set(coordinator->error, status, "%s", reason.text);
+        log_error("%s", reason.text);
+        return STATUS_OK;
+    }
+    const struct scenario *scenario = &run->open[index]->scenario;
+    texts_add(coordinator->texts, &scenario->digest, scenario->text, scenario->text_size);
+    g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(index));
+    return STATUS_OK;
+}
+
+static void open_when_hungry(struct coordinator *coordinator)
+{
+    uint32_t index;
+    if (run_waiting(coordinator->run, &index) && room_for_search(coordinator))
+        g_source_set_ready_time(coordinator->opener, 0);
+}
+
+static gboolean opening(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    enum status status = open_search(coordinator);
+    if (status != STATUS_OK)
+        stop(coordinator, status);
+    else
+        advance_or_stop(coordinator);
+    return G_SOURCE_CONTINUE;
 }
 
 // ---- Messages ----
@@ -256,9 +381,10 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
         (uint32_t)message->search >= coordinator->run->record.search_count ||
         message->count > OUTCOME_SAMPLES_MAX)
         return;
-    const struct run_search *search = &coordinator->run->searches[message->search];
+    const struct run_search *search = coordinator->run->open[message->search];
     // Only the step being sampled can count; an outcome of an earlier one is unpacked by no one.
-    if (search->active && (uint32_t)message->step == search->request.sampling.step &&
+    if (search != NULL && search->active &&
+        (uint32_t)message->step == search->request.sampling.step &&
         (message->detail != (int8_t)search->request.detail ||
          !verdict_unpack(coordinator->unpacked, (uint32_t)message->count, search->request.detail,
                          search->scenario.constraint_count, message->packed,
@@ -283,6 +409,7 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
                                                .service_ns = message->service_ns,
                                            }});
     advance_or_stop(coordinator);
+    open_when_hungry(coordinator);
 }
 
 static void heard_worker(void *user, enum wire_kind kind, const void *bytes)
@@ -303,6 +430,7 @@ static void heard_worker(void *user, enum wire_kind kind, const void *bytes)
     g_snprintf(event.worker.name, sizeof event.worker.name, "%.63s/%d", (const char *)message->host,
                message->process);
     schedule_take(coordinator, &event);
+    open_when_hungry(coordinator);
 }
 
 static void heard_text_request(void *user, enum wire_kind kind, const void *bytes)
@@ -379,7 +507,7 @@ static gboolean tell_status(gpointer user)
     struct schedule_counters counters;
     schedule_counters(coordinator->schedule, &counters);
     look_for_workers(coordinator, counters.workers);
-    publish_run_status(coordinator, counters.workers > 0 ? RUN_RUNNING : RUN_WAITING);
+    publish_run_status(coordinator, counters.workers > 0 ? RUN_STATE_RUNNING : RUN_STATE_WAITING);
     return G_SOURCE_CONTINUE;
 }
 
@@ -390,7 +518,8 @@ static gboolean tell_searches(gpointer user)
     uint32_t burst = SEARCH_STATUS_BURST;
     for (uint32_t i = 0; i < run->record.search_count && burst > 0; i++) {
         coordinator->told = (coordinator->told + 1) % run->record.search_count;
-        if (!run->searches[coordinator->told].active)
+        const struct run_search *search = run->open[coordinator->told];
+        if (search == NULL || !search->active)
             continue;
         publish_search_status(coordinator, coordinator->told);
         burst--;
@@ -465,23 +594,24 @@ static struct schedule_settings schedule_settings(struct wire *wire)
     return settings;
 }
 
-static enum run_state state_after(enum status status)
+// A session may end well and leave searches for another.
+static enum run_state state_after(enum status status, bool all_done)
 {
     switch (status) {
     case STATUS_OK:
-        return RUN_DONE;
+        return all_done ? RUN_STATE_DONE : RUN_STATE_INTERRUPTED;
     case STATUS_INTERRUPTED:
-        return RUN_INTERRUPTED;
+        return RUN_STATE_INTERRUPTED;
     default:
-        return RUN_FAILED;
+        return RUN_STATE_FAILED;
     }
 }
 
-static enum journal_state journal_state_after(enum status status)
+static enum journal_state journal_state_after(enum status status, bool all_done)
 {
     switch (status) {
     case STATUS_OK:
-        return JOURNAL_STATE_DONE;
+        return all_done ? JOURNAL_STATE_DONE : JOURNAL_STATE_INTERRUPTED;
     case STATUS_INTERRUPTED:
         return JOURNAL_STATE_INTERRUPTED;
     default:
@@ -489,13 +619,30 @@ static enum journal_state journal_state_after(enum status status)
     }
 }
 
+// A source that runs whenever its ready time has come, and then waits for the next.
+static GSource *timed_source(struct coordinator *coordinator, GSourceFunc callback)
+{
+    static GSourceFuncs functions = {.dispatch = wake_dispatch};
+    GSource *source = g_source_new(&functions, sizeof(GSource));
+    g_source_set_callback(source, callback, coordinator, NULL);
+    g_source_attach(source, NULL);
+    return source;
+}
+
+static void timed_source_end(GSource *source)
+{
+    g_source_destroy(source);
+    g_source_unref(source);
+}
+
 // Runs the main loop with its timers and signals until something stops it.
 static void loop(struct coordinator *coordinator)
 {
-    static GSourceFuncs wake_functions = {.dispatch = wake_dispatch};
-    coordinator->wake = g_source_new(&wake_functions, sizeof(GSource));
-    g_source_set_callback(coordinator->wake, woken, coordinator, NULL);
-    g_source_attach(coordinator->wake, NULL);
+    coordinator->wake = timed_source(coordinator, woken);
+    coordinator->opener = timed_source(coordinator, opening);
+    if (coordinator->run->record.search_count > 1)
+        coordinator->trimmer =
+            trimmer_create(coordinator->settings->threads, heard_trimmed, coordinator);
     guint timers[5] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
@@ -507,30 +654,19 @@ static void loop(struct coordinator *coordinator)
         timers[4] =
             g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
 
-    publish_run_status(coordinator, RUN_RUNNING);
-    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++)
-        g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(i));
-    enum status status = advance(coordinator);
-    if (status != STATUS_OK)
-        coordinator->status = status;
-    else if (coordinator->run->done_count < coordinator->run->record.search_count)
+    publish_run_status(coordinator, RUN_STATE_RUNNING);
+    g_source_set_ready_time(coordinator->opener, 0);
+    if (!run_finished(coordinator->run))
         g_main_loop_run(coordinator->loop);
 
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i] != 0)
             g_source_remove(timers[i]);
     }
-    g_source_destroy(coordinator->wake);
-    g_source_unref(coordinator->wake);
+    trimmer_free(coordinator->trimmer);
+    timed_source_end(coordinator->opener);
+    timed_source_end(coordinator->wake);
     progress_end(&coordinator->progress);
-}
-
-static void add_scenario_texts(struct coordinator *coordinator)
-{
-    for (uint32_t i = 0; i < coordinator->run->record.search_count; i++) {
-        const struct scenario *scenario = &coordinator->run->searches[i].scenario;
-        texts_add(coordinator->texts, &scenario->digest, scenario->text, scenario->text_size);
-    }
 }
 
 enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
@@ -550,7 +686,6 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         .loop = g_main_loop_new(NULL, FALSE),
         .error = error,
     };
-    add_scenario_texts(&coordinator);
     if (settings->children != NULL)
         children_watch(settings->children, child_ended, &coordinator);
 
@@ -559,13 +694,15 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         loop(&coordinator);
 
     enum status status = coordinator.status;
+    const bool all_done = run->done_count == run->record.search_count;
     struct error unwritten = {0};
-    if (run_end(run, journal_state_after(status), clock_monotonic_ns(), &unwritten) != STATUS_OK &&
+    if (run_end(run, journal_state_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
+            STATUS_OK &&
         status == STATUS_OK) {
         *error = unwritten;
         status = unwritten.status;
     }
-    publish_run_status(&coordinator, state_after(status));
+    publish_run_status(&coordinator, state_after(status, all_done));
     wire_source_detach(wire);
     g_queue_clear(&coordinator.ready);
     g_main_loop_unref(coordinator.loop);

@@ -17,6 +17,34 @@ static const char *short_number(double value, char text[16])
     return text;
 }
 
+const char *progress_duration(double seconds, char text[32])
+{
+    if (seconds < 100)
+        snprintf(text, 32, "%.0f s", seconds);
+    else if (seconds < 100 * 60)
+        snprintf(text, 32, "%.0f min", seconds / 60);
+    else if (seconds < 100 * 3600)
+        snprintf(text, 32, "%.1f h", seconds / 3600);
+    else
+        snprintf(text, 32, "%.1f days", seconds / 86400);
+    return text;
+}
+
+// ", about 12 min left", from the searches that this session has finished; those that are running
+// count half. Nothing is said before there is something to go by.
+static const char *time_left(const struct run *run, int64_t now_ns, char text[48])
+{
+    text[0] = '\0';
+    if (run->finished_count == 0)
+        return text;
+    const double done = run->finished_count + 0.5 * run->open_count;
+    const double left = run->chosen_count - done;
+    const double seconds = (double)(now_ns - run->started_ns) / CLOCK_SECOND_NS * left / done;
+    char duration[32];
+    snprintf(text, 48, ", about %s left", progress_duration(seconds, duration));
+    return text;
+}
+
 void progress_show(struct progress *progress, const struct run *run,
                    const struct schedule_counters *counters, int64_t now_ns)
 {
@@ -34,14 +62,19 @@ void progress_show(struct progress *progress, const struct run *run,
         snprintf(workers, sizeof workers, "%u worker%s", counters->workers,
                  counters->workers == 1 ? "" : "s");
     if (run->record.search_count > 1) {
-        log_progress("%u of %u searches done | %s designs, %s/s | %s", run->done_count,
-                     run->record.search_count,
+        char left[48];
+        log_progress("%u of %u searches done, %u running, %u waiting%s | %s designs, %s/s | %s",
+                     run->done_count, run->record.search_count, run->open_count,
+                     run->chosen_count - run->finished_count - run->open_count,
+                     time_left(run, now_ns, left),
                      short_number((double)counters->samples_counted, designs),
                      short_number(rate, speed), workers);
         return;
     }
+    if (run->open[0] == NULL)
+        return;
     struct search_progress search;
-    search_progress(run->searches[0].search, &search);
+    search_progress(run->open[0]->search, &search);
     log_progress("%s, step %u of about %u | %.0f %% good | ln(volume) %.2f | %s designs, %s/s | %s",
                  search_phase_name(search.phase), search.step, search.step_count,
                  100 * search.good_share, search.log_volume,

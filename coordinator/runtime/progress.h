@@ -1,4 +1,5 @@
-// The progress line: where the run is, how fast it goes, who works on it.
+// The progress line: where the run is, how fast it goes, who works on it; of a sweep how many
+// searches are done, running and waiting, and how long they will take.
 #ifndef SOBOX_COORDINATOR_RUNTIME_PROGRESS_H
 #define SOBOX_COORDINATOR_RUNTIME_PROGRESS_H
 
@@ -13,6 +14,9 @@ struct progress {
 
 void progress_show(struct progress *progress, const struct run *run,
                    const struct schedule_counters *counters, int64_t now_ns);
+
+// "12 s", "34 min", "5.6 h", "7.8 days". Returns `text`.
+const char *progress_duration(double seconds, char text[32]);
 
 // Ends the line so that what follows starts on a fresh one.
 void progress_end(struct progress *progress);

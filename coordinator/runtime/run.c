@@ -1,9 +1,12 @@
 #include "coordinator/runtime/run.h"
 
 #include "common/base/clock.h"
+#include "common/base/log.h"
 #include "common/scenario/scenario_read.h"
 
+#include <assert.h>
 #include <errno.h>
+#include <fnmatch.h>
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <string.h>
@@ -49,15 +52,6 @@ static enum status folder_make(const char *path, struct error *error)
     return STATUS_OK;
 }
 
-// Gives a search its working memory. The scenario is in place.
-static void search_start(struct run_search *search, uint32_t index, int threads, int64_t now_ns)
-{
-    const struct scenario *scenario = &search->scenario;
-    search->search = search_create(scenario, index, scenario->search.seed, threads);
-    search->bounds = g_new(double, 2 * (size_t)scenario->design_space.count);
-    search->started_ns = now_ns;
-}
-
 static uint64_t random_id(void)
 {
     // Positive as the signed number that travels, and never 0.
@@ -69,43 +63,293 @@ static uint64_t random_id(void)
     return id;
 }
 
-enum status run_create(struct run *run, const char *directory, struct scenario *scenario,
-                       int threads, int64_t now_ns, struct error *error)
+// ---- Beginning ----
+
+static enum status begin(struct run *run, const char *directory, const char *name, int threads,
+                         int64_t now_ns, struct error *error)
 {
-    *run = (struct run){.started_ns = now_ns};
-    run->directory = directory ? g_strdup(directory) : folder_pick(scenario->name);
+    *run = (struct run){.started_ns = now_ns, .threads = threads};
+    run->directory = directory ? g_strdup(directory) : folder_pick(name);
     run->folder_made = !g_file_test(run->directory, G_FILE_TEST_IS_DIR);
-    enum status status = folder_make(run->directory, error);
-    if (status != STATUS_OK) {
-        run_fini(run);
-        return status;
-    }
     run->record = (struct journal_run){
         .state = JOURNAL_STATE_RUNNING,
         .id = random_id(),
-        .search_count = 1,
         .started_ns = clock_calendar_ns(),
     };
-    g_strlcpy(run->record.name, scenario->name, sizeof run->record.name);
+    g_strlcpy(run->record.name, name, sizeof run->record.name);
     g_strlcpy(run->record.version, SOBOX_VERSION, sizeof run->record.version);
-    const struct journal_search search = {
-        .index = 0,
+    enum status status = folder_make(run->directory, error);
+    if (status != STATUS_OK)
+        run_fini(run);
+    return status;
+}
+
+// Room for the searches of the record, all of them waiting and chosen.
+static void make_room(struct run *run)
+{
+    const uint32_t count = run->record.search_count;
+    run->open = g_new0(struct run_search *, count);
+    run->standings = g_new0(uint8_t, count);
+    run->chosen = g_malloc(count);
+    memset(run->chosen, 1, count);
+    run->chosen_count = count;
+    // Of many searches each is trimmed by one thread, several at once.
+    if (count > 1)
+        run->threads = 1;
+}
+
+// Takes back the choice of all but the first `count` chosen searches.
+static void limit_choice(struct run *run, uint32_t count)
+{
+    if (count == 0 || count >= run->chosen_count)
+        return;
+    uint32_t left = count;
+    for (uint32_t i = 0; i < run->record.search_count; i++) {
+        if (run->chosen[i] != 0 && left > 0)
+            left--;
+        else
+            run->chosen[i] = 0;
+    }
+    run->chosen_count = count;
+}
+
+static struct journal_search record_of(const struct scenario *scenario)
+{
+    return (struct journal_search){
         .text = scenario->text,
         .text_size = scenario->text_size,
         .scenario = scenario->digest,
         .seed = scenario->search.seed,
     };
+}
+
+static void discard(struct run *run)
+{
+    run_abandon(run);
+    run_fini(run);
+}
+
+enum status run_create(struct run *run, const char *directory, const struct scenario *scenario,
+                       int threads, int64_t now_ns, struct error *error)
+{
+    enum status status = begin(run, directory, scenario->name, threads, now_ns, error);
+    if (status != STATUS_OK)
+        return status;
+    const struct journal_search search = record_of(scenario);
+    run->record.search_count = 1;
     status = journal_create(&run->journal, run->directory, &run->record, &search, error);
+    if (status != STATUS_OK)
+        discard(run);
+    else
+        make_room(run);
+    return status;
+}
+
+// ---- A sweep ----
+
+void run_cases_init(struct run_cases *cases, const struct sweep *sweep,
+                    const struct run_choice *choice)
+{
+    *cases = (struct run_cases){.sweep = sweep, .choice = choice};
+}
+
+static bool choose_name(const struct run_choice *choice, const char *name)
+{
+    return choice->only == NULL || fnmatch(choice->only, name, 0) == 0;
+}
+
+enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scenario *scenario,
+                           struct error *error)
+{
+    const struct run_choice *choice = cases->choice;
+    while (cases->next < sweep_case_count(cases->sweep)) {
+        *index = cases->next++;
+        char name[SWEEP_CASE_NAME_SIZE];
+        if (*index % choice->shard_count != choice->shard - 1 ||
+            !choose_name(choice, sweep_case_name(cases->sweep, *index, name)))
+            continue;
+        struct error reason = {0};
+        if (sweep_scenario(cases->sweep, *index, scenario, &reason) == STATUS_OK) {
+            cases->count++;
+            return STATUS_OK;
+        }
+        if (!choice->keep_going)
+            return error_set(error, reason.status, "%s", reason.text);
+        cases->invalid++;
+        log_failure(&reason);
+    }
+    *index = UINT32_MAX;
+    return STATUS_OK;
+}
+
+enum status run_cases_check(const struct run_cases *cases, struct error *error)
+{
+    const struct run_choice *choice = cases->choice;
+    if (cases->invalid > 0)
+        log_note("%u case%s left out because of an invalid scenario", cases->invalid,
+                 cases->invalid == 1 ? " is" : "s are");
+    if (cases->count > 0)
+        return STATUS_OK;
+    if (cases->invalid > 0)
+        return error_set(error, STATUS_INVALID, "none of the cases is valid");
+    char name[SWEEP_CASE_NAME_SIZE];
+    return error_set(error, STATUS_INVALID,
+                     "--only '%s' --shard %u/%u: no case of the sweep %s is chosen: expected a "
+                     "pattern of names like '%s'",
+                     choice->only != NULL ? choice->only : "*", choice->shard, choice->shard_count,
+                     sweep_name(cases->sweep), sweep_case_name(cases->sweep, 0, name));
+}
+
+// The cases on their way into the journal.
+struct intake {
+    struct run_cases cases;
+    struct scenario scenario; // of the case at hand
+    const char **values;
+};
+
+static enum status next_search(void *user, struct journal_search *search, bool *more,
+                               struct error *error)
+{
+    struct intake *intake = user;
+    const struct sweep *sweep = intake->cases.sweep;
+    uint32_t index;
+    scenario_fini(&intake->scenario);
+    enum status status = run_cases_next(&intake->cases, &index, &intake->scenario, error);
+    *more = status == STATUS_OK && index != UINT32_MAX;
+    if (!*more)
+        return status;
+    for (uint32_t c = 0; c < sweep_column_count(sweep); c++)
+        intake->values[c] = sweep_value(sweep, index, c);
+    *search = record_of(&intake->scenario);
+    search->index = intake->cases.count - 1;
+    search->values = intake->values;
+    sweep_case_name(sweep, index, search->name);
+    return STATUS_OK;
+}
+
+enum status run_create_sweep(struct run *run, const char *directory, const struct sweep *sweep,
+                             const struct run_choice *choice, int threads, int64_t now_ns,
+                             struct error *error)
+{
+    _Static_assert((int)SWEEP_COLUMN_MAX <= (int)JOURNAL_AXIS_MAX, "raise JOURNAL_AXIS_MAX");
+    _Static_assert((int)SWEEP_CASE_NAME_SIZE <= (int)JOURNAL_NAME_SIZE, "raise JOURNAL_NAME_SIZE");
+    enum status status = begin(run, directory, sweep_name(sweep), threads, now_ns, error);
+    if (status != STATUS_OK)
+        return status;
+    const uint32_t columns = sweep_column_count(sweep);
+    struct intake intake = {.values = g_new0(const char *, columns)};
+    run_cases_init(&intake.cases, sweep, choice);
+    status = journal_create_from(&run->journal, run->directory, &run->record, sweep_columns(sweep),
+                                 columns, next_search, &intake, error);
+    if (status == STATUS_OK)
+        status = run_cases_check(&intake.cases, error);
+    scenario_fini(&intake.scenario);
+    g_free(intake.values);
     if (status != STATUS_OK) {
-        run_abandon(run);
+        discard(run);
+        return status;
+    }
+    run->record.search_count = intake.cases.count;
+    make_room(run);
+    limit_choice(run, choice->stop_after);
+    return STATUS_OK;
+}
+
+// ---- Taking up again ----
+
+static bool journal_present(const char *directory)
+{
+    char *path = g_build_filename(directory, "run.db", NULL);
+    const bool present = g_file_test(path, G_FILE_TEST_EXISTS);
+    g_free(path);
+    return present;
+}
+
+static bool found_corridors(const char *status)
+{
+    return strcmp(status, search_status_name(SEARCH_STATUS_NO_GOOD_DESIGN)) != 0;
+}
+
+// A search as the earlier sessions left it.
+struct taking_up {
+    struct run *run;
+    const struct run_choice *choice;
+};
+
+static enum status take_standing(void *user, const struct journal_standing *standing,
+                                 struct error *error)
+{
+    (void)error;
+    const struct taking_up *taking_up = user;
+    struct run *run = taking_up->run;
+    if (standing->finished) {
+        run->standings[standing->index] = RUN_DONE;
+        run->done_count++;
+        run->found_count += found_corridors(standing->status);
+    }
+    if (standing->finished || !choose_name(taking_up->choice, standing->name)) {
+        run->chosen[standing->index] = 0;
+        run->chosen_count--;
+    }
+    return STATUS_OK;
+}
+
+static enum status check_resumable(const struct run *run, struct error *error)
+{
+    if (run->record.state == JOURNAL_STATE_DONE)
+        return error_set(error, STATUS_REFUSED, "this run is done: see it with 'sobox-report %s'",
+                         run->directory);
+    if (strcmp(run->record.version, SOBOX_VERSION) != 0)
+        return error_set(error, STATUS_REFUSED,
+                         "begun by sobox %s, which may search otherwise than this one (%s): "
+                         "continue it with that version",
+                         run->record.version, SOBOX_VERSION);
+    return STATUS_OK;
+}
+
+enum status run_resume(struct run *run, const char *directory, const struct run_choice *choice,
+                       int threads, int64_t now_ns, struct error *error)
+{
+    *run = (struct run){.started_ns = now_ns, .directory = g_strdup(directory), .threads = threads};
+    if (!journal_present(directory)) {
+        run_fini(run);
+        return error_set(
+            error, STATUS_INVALID,
+            "%s: there is no run to continue: expected a run folder, which has a run.db",
+            directory);
+    }
+    struct taking_up taking_up = {.run = run, .choice = choice};
+    enum status status = journal_open(&run->journal, directory, JOURNAL_RESUME, error);
+    if (status == STATUS_OK)
+        status = journal_read_run(run->journal, &run->record, error);
+    if (status == STATUS_OK)
+        status = check_resumable(run, error);
+    if (status == STATUS_OK) {
+        make_room(run);
+        status = journal_read_standings(run->journal, take_standing, &taking_up, error);
+    }
+    if (status == STATUS_OK && run->chosen_count == 0 && choice->only != NULL)
+        status =
+            error_set(error, STATUS_INVALID,
+                      "--only '%s' matches no search that is missing in this run", choice->only);
+    if (status != STATUS_OK) {
+        error_wrap(error, "%s", directory);
         run_fini(run);
         return status;
     }
-    run->searches = g_new0(struct run_search, 1);
-    run->searches[0].scenario = *scenario;
-    *scenario = (struct scenario){0};
-    search_start(&run->searches[0], 0, threads, now_ns);
+    limit_choice(run, choice->stop_after);
     return STATUS_OK;
+}
+
+// ---- A search's life ----
+
+bool run_waiting(struct run *run, uint32_t *index)
+{
+    while (run->next < run->record.search_count &&
+           (run->standings[run->next] != RUN_WAITING || run->chosen[run->next] == 0))
+        run->next++;
+    *index = run->next;
+    return run->next < run->record.search_count;
 }
 
 // Gives the search the verdicts of a step again. They must answer what it asks for now.
@@ -124,80 +368,67 @@ static enum status replay(void *user, const struct journal_step *step, struct er
     return STATUS_OK;
 }
 
-static bool journal_present(const char *directory)
+static void search_release(struct run_search *search)
 {
-    char *path = g_build_filename(directory, "run.db", NULL);
-    const bool present = g_file_test(path, G_FILE_TEST_EXISTS);
-    g_free(path);
-    return present;
+    search_free(search->search);
+    scenario_fini(&search->scenario);
+    g_free(search->bounds);
+    g_free(search->verdicts);
+    g_free(search);
 }
 
-static enum status resume_search(struct run *run, uint32_t index, int threads, int64_t now_ns,
-                                 struct error *error)
+// The scenario comes from the journal, as it does for whoever looks at the run later.
+static enum status search_read(struct run *run, struct run_search *search, struct error *error)
 {
-    struct run_search *search = &run->searches[index];
     struct journal_search record;
-    enum status status = journal_read_search(run->journal, index, &record, error);
+    enum status status = journal_read_search(run->journal, search->index, &record, error);
     if (status != STATUS_OK)
         return status;
-    char *source = g_strdup_printf("%s/run.db, search %u", run->directory, index);
+    char *source = g_strdup_printf("%s/run.db, search %u", run->directory, search->index);
     status = scenario_read_text(&search->scenario, source, record.text, record.text_size, NULL, 0,
                                 error);
     g_free(source);
-    if (status == STATUS_OK) {
-        search_start(search, index, threads, now_ns);
-        status = journal_read_steps(run->journal, index, replay, search->search, error);
-    }
-    if (record.finished) {
-        search->done = true;
-        run->done_count++;
-    }
     journal_search_fini(&record);
     return status;
 }
 
-enum status run_resume(struct run *run, const char *directory, int threads, int64_t now_ns,
-                       struct error *error)
+enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct error *error)
 {
-    *run = (struct run){.started_ns = now_ns, .directory = g_strdup(directory)};
-    if (!journal_present(directory)) {
-        run_fini(run);
-        return error_set(
-            error, STATUS_INVALID,
-            "%s: there is no run to continue: expected a run folder, which has a run.db",
-            directory);
+    assert(run->standings[index] == RUN_WAITING);
+    struct run_search *search = g_new0(struct run_search, 1);
+    *search = (struct run_search){.index = index, .started_ns = now_ns};
+    enum status status = search_read(run, search, error);
+    if (status == STATUS_OK) {
+        const struct scenario *scenario = &search->scenario;
+        search->search = search_create(scenario, index, scenario->search.seed, run->threads);
+        search->bounds = g_new(double, 2 * (size_t)scenario->design_space.count);
+        status = journal_read_steps(run->journal, index, replay, search->search, error);
     }
-    enum status status = journal_open(&run->journal, directory, JOURNAL_RESUME, error);
-    if (status == STATUS_OK)
-        status = journal_read_run(run->journal, &run->record, error);
-    if (status == STATUS_OK && run->record.state == JOURNAL_STATE_DONE)
-        status = error_set(error, STATUS_REFUSED, "this run is done: see it with 'sobox-report %s'",
-                           directory);
-    if (status == STATUS_OK && strcmp(run->record.version, SOBOX_VERSION) != 0)
-        status = error_set(error, STATUS_REFUSED,
-                           "begun by sobox %s, which may search otherwise than this one (%s): "
-                           "continue it with that version",
-                           run->record.version, SOBOX_VERSION);
-    if (status == STATUS_OK)
-        run->searches = g_new0(struct run_search, run->record.search_count);
-    for (uint32_t i = 0; status == STATUS_OK && i < run->record.search_count; i++)
-        status = resume_search(run, i, threads, now_ns, error);
     if (status != STATUS_OK) {
-        error_wrap(error, "%s", directory);
-        run_fini(run);
+        error_wrap(error, "%s", run->directory);
+        search_release(search);
+        // A journal that cannot even say so has told why it could not be read.
+        (void)!journal_fail_search(run->journal, index, NULL);
+        run->standings[index] = RUN_FAILED;
+        run->failed_count++;
+        run->finished_count++;
+        return status;
     }
-    return status;
+    run->open[index] = search;
+    run->standings[index] = RUN_OPEN;
+    run->open_count++;
+    return STATUS_OK;
 }
 
-static enum status write_result(struct run *run, uint32_t index, int64_t now_ns,
+static enum status write_result(struct run *run, struct run_search *search, int64_t now_ns,
                                 struct error *error)
 {
-    struct run_search *search = &run->searches[index];
     struct search_result result;
     search_result(search->search, &result);
-    search->finished_ns = now_ns;
+    // A run of one search has taken as long as its sessions; a case of a sweep as long as this one.
+    const int64_t before_ns = run->record.search_count == 1 ? run->record.elapsed_ns : 0;
     struct journal_search record = {
-        .index = index,
+        .index = search->index,
         .finished = true,
         .box = *result.box, // borrowed for the call
         .log_volume = result.log_volume,
@@ -208,7 +439,7 @@ static enum status write_result(struct run *run, uint32_t index, int64_t now_ns,
         .evaluations = result.evaluations,
         .non_finite = result.non_finite,
         .steps = result.steps,
-        .wall_ns = run->record.elapsed_ns + now_ns - search->started_ns,
+        .wall_ns = before_ns + now_ns - search->started_ns,
         .digest = result.digest,
     };
     g_strlcpy(record.status, search_status_name(result.status), sizeof record.status);
@@ -217,23 +448,26 @@ static enum status write_result(struct run *run, uint32_t index, int64_t now_ns,
         scenario_outcome_name(&search->scenario, search->scenario.constraints[blocking].outcome,
                               record.blocking_constraint);
     }
-    return journal_finish_search(run->journal, &record, error);
+    enum status status = journal_finish_search(run->journal, &record, error);
+    if (status == STATUS_OK) {
+        run->standings[search->index] = RUN_DONE;
+        run->done_count++;
+        run->finished_count++;
+        run->found_count += found_corridors(record.status);
+    }
+    return status;
 }
 
 enum status run_next(struct run *run, uint32_t index, int64_t now_ns, bool *wanted,
                      struct error *error)
 {
-    struct run_search *search = &run->searches[index];
+    struct run_search *search = run->open[index];
     *wanted = false;
     search->active = false;
-    if (search->done)
+    if (run->standings[index] == RUN_DONE)
         return STATUS_OK;
-    if (!search_request(search->search, &search->request)) {
-        enum status status = write_result(run, index, now_ns, error);
-        search->done = status == STATUS_OK;
-        run->done_count += search->done;
-        return status;
-    }
+    if (!search_request(search->search, &search->request))
+        return write_result(run, search, now_ns, error);
     const struct box *box = search->request.box;
     memcpy(search->bounds, box->lower, box->count * sizeof(double));
     memcpy(search->bounds + box->count, box->upper, box->count * sizeof(double));
@@ -243,14 +477,15 @@ enum status run_next(struct run *run, uint32_t index, int64_t now_ns, bool *want
     return STATUS_OK;
 }
 
-enum status run_complete(struct run *run, uint32_t index, struct error *error)
+void run_trim(struct run_search *search)
 {
-    struct run_search *search = &run->searches[index];
-    const uint32_t count = search->scenario.design_space.count;
-    const enum verdict_detail detail = search->request.detail;
     search_complete(search->search, search->verdicts);
-    search->active = false;
+}
 
+enum status run_record(struct run *run, uint32_t index, struct error *error)
+{
+    const struct run_search *search = run->open[index];
+    const uint32_t count = search->scenario.design_space.count;
     const struct search_step *step = search_last_step(search->search);
     const struct box sampled = {
         .count = count, .lower = search->bounds, .upper = search->bounds + count};
@@ -262,12 +497,28 @@ enum status run_complete(struct run *run, uint32_t index, struct error *error)
         .growth = step->growth,
         .log_volume = step->log_volume,
         .box = &sampled,
-        .detail = detail,
+        .detail = search->request.detail,
         .verdicts = search->verdicts,
     };
     g_strlcpy(record.phase, search_phase_name(step->phase), sizeof record.phase);
+    run->steps++;
     return journal_append(run->journal, &record, error);
 }
+
+void run_close(struct run *run, uint32_t index)
+{
+    assert(run->standings[index] == RUN_DONE);
+    search_release(run->open[index]);
+    run->open[index] = NULL;
+    run->open_count--;
+}
+
+bool run_finished(const struct run *run)
+{
+    return run->finished_count == run->chosen_count;
+}
+
+// ---- Ending ----
 
 int64_t run_elapsed_ns(const struct run *run, int64_t now_ns)
 {
@@ -281,14 +532,13 @@ enum status run_end(struct run *run, enum journal_state state, int64_t now_ns, s
 
 void run_fini(struct run *run)
 {
-    for (uint32_t i = 0; run->searches != NULL && i < run->record.search_count; i++) {
-        struct run_search *search = &run->searches[i];
-        search_free(search->search);
-        scenario_fini(&search->scenario);
-        g_free(search->bounds);
-        g_free(search->verdicts);
+    for (uint32_t i = 0; run->open != NULL && i < run->record.search_count; i++) {
+        if (run->open[i] != NULL)
+            search_release(run->open[i]);
     }
-    g_free(run->searches);
+    g_free(run->open);
+    g_free(run->standings);
+    g_free(run->chosen);
     journal_close(run->journal);
     g_free(run->directory);
     *run = (struct run){0};
