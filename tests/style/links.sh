@@ -42,6 +42,7 @@ set -eu
         needs["PkgConfig::LCM"] = "PkgConfig::GLIB"
         # A scenario in memory is plain data that those who compute may know; reading one is not.
         plain["common/scenario/scenario.h"] = plain["common/scenario/outcome.h"] = 1
+        plain["common/scenario/formula.h"] = 1
         pure["coordinator/search"] = pure["coordinator/schedule"] = 1
         pure["worker/sampling"] = pure["worker/kinematics"] = pure["worker/models"] = 1
     }
