@@ -51,6 +51,8 @@ static const struct field simulation_fields[] = {
      .range = FIELD_POSITIVE, .unit = "s"},
     {"integrator", FIELD_WORD, .optional = true, AT(scenario_simulation, integrator),
      .words = scenario_integrator_words},
+    {"reloading", FIELD_WORD, .optional = true, AT(scenario_simulation, reloading),
+     .words = scenario_reloading_words},
 };
 
 static bool read_vehicle(const struct tree_node *node, struct scenario *scenario,

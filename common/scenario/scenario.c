@@ -30,6 +30,11 @@ const char *const scenario_integrator_words[] = {
     [SCENARIO_INTEGRATOR_RUNGE_KUTTA_4] = "runge_kutta_4",
     NULL,
 };
+const char *const scenario_reloading_words[] = {
+    [SCENARIO_RELOADING_THESIS] = "thesis",
+    [SCENARIO_RELOADING_CRUSHED] = "crushed",
+    NULL,
+};
 const char *const scenario_response_words[] = {
     [SCENARIO_RESPONSE_ANY] = "any",
     [SCENARIO_RESPONSE_ROTATING] = "rotating",
@@ -63,6 +68,7 @@ void scenario_init(struct scenario *scenario)
                 .duration = 0.150,
                 .time_step = 1.0e-3,
                 .integrator = SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE,
+                .reloading = SCENARIO_RELOADING_THESIS,
             },
         .search =
             {
@@ -197,6 +203,11 @@ const char *scenario_response_name(enum scenario_response response)
 const char *scenario_integrator_name(enum scenario_integrator integrator)
 {
     return scenario_integrator_words[integrator];
+}
+
+const char *scenario_reloading_name(enum scenario_reloading reloading)
+{
+    return scenario_reloading_words[reloading];
 }
 
 const char *scenario_sampling_name(enum scenario_sampling sampling)

@@ -43,6 +43,7 @@ enum scenario_integrator {
     SCENARIO_INTEGRATOR_VELOCITY_VERLET,
     SCENARIO_INTEGRATOR_RUNGE_KUTTA_4,
 };
+enum scenario_reloading { SCENARIO_RELOADING_THESIS, SCENARIO_RELOADING_CRUSHED };
 enum scenario_response {
     SCENARIO_RESPONSE_ANY,
     SCENARIO_RESPONSE_ROTATING,
@@ -86,6 +87,7 @@ struct scenario_simulation {
     double duration;  // [s] > 0
     double time_step; // [s] > 0, not above the duration
     enum scenario_integrator integrator;
+    enum scenario_reloading reloading; // of a spring that let go and is pressed again
 };
 
 // min <= outcome <= max.
@@ -234,6 +236,7 @@ const char *scenario_outcome_unit(const struct scenario *scenario, uint32_t outc
 const char *scenario_model_name(enum scenario_model model);
 const char *scenario_response_name(enum scenario_response response);
 const char *scenario_integrator_name(enum scenario_integrator integrator);
+const char *scenario_reloading_name(enum scenario_reloading reloading);
 const char *scenario_sampling_name(enum scenario_sampling sampling);
 const char *scenario_profile_name(enum scenario_profile profile);
 const char *scenario_direction_name(enum scenario_direction direction);

@@ -6,6 +6,7 @@
 extern const char *const scenario_model_words[];
 extern const char *const scenario_profile_words[];
 extern const char *const scenario_integrator_words[];
+extern const char *const scenario_reloading_words[];
 extern const char *const scenario_response_words[];
 extern const char *const scenario_sampling_words[];
 

@@ -80,7 +80,9 @@ struct kinematics_problem *small_overlap_problem(const struct scenario *scenario
         .duration = scenario->simulation.duration,
         .time_step = scenario->simulation.time_step,
         .integrator = small_overlap_integrator(scenario->simulation.integrator),
-        .reloading = KINEMATICS_RELOADING_THESIS,
+        .reloading = scenario->simulation.reloading == SCENARIO_RELOADING_CRUSHED
+                         ? KINEMATICS_RELOADING_CRUSHED
+                         : KINEMATICS_RELOADING_THESIS,
     };
     return kinematics_create(&setup);
 }

@@ -419,6 +419,24 @@ static void too_many_constraints_are_refused(void **state)
     g_string_free(text, TRUE);
 }
 
+// Both rules of reloading can be asked for; a third is refused.
+static void reloading_can_be_chosen(void **state)
+{
+    (void)state;
+    struct scenario s = read_valid(example, "simulation.reloading=crushed");
+    assert_int_equal(s.simulation.reloading, SCENARIO_RELOADING_CRUSHED);
+    scenario_fini(&s);
+    s = read_valid(example, "simulation.reloading=thesis");
+    assert_int_equal(s.simulation.reloading, SCENARIO_RELOADING_THESIS);
+    scenario_fini(&s);
+    const char *override = "simulation.reloading=elastic";
+    struct error error = {0};
+    assert_int_equal(
+        scenario_read_text(&s, "t.yaml", example, strlen(example), &override, 1, &error),
+        STATUS_INVALID);
+    assert_non_null(strstr(error.text, "expected thesis or crushed, found elastic"));
+}
+
 // Overrides are checked like the file and named as they were given.
 static void wrong_overrides_name_themselves(void **state)
 {
@@ -597,6 +615,7 @@ int main(void)
         cmocka_unit_test(contradictions_are_pointed_at),
         cmocka_unit_test(a_design_space_needs_a_free_variable),
         cmocka_unit_test(too_many_constraints_are_refused),
+        cmocka_unit_test(reloading_can_be_chosen),
         cmocka_unit_test(wrong_overrides_name_themselves),
         cmocka_unit_test(a_missing_file_is_invalid_input),
         cmocka_unit_test(canonical_text_is_the_same_scenario),

@@ -159,12 +159,43 @@ static void unload_branch_pushes_back(void **state)
     assert_true(outcomes[1][OUTCOME_DELTA_VX] > outcomes[0][OUTCOME_DELTA_VX] + 1.0);
 }
 
+// The rule of reloading reaches the kinematics. The spring stops the car and then draws it back on
+// the barrier: by the thesis's rule it resists at once with its full force, crushed only beyond the
+// deformation at which the car stood.
+static void reloading_is_passed_on(void **state)
+{
+    (void)state;
+    static const char text[] = "spring,branch,deformation_m,force_x_N,force_y_N\n"
+                               "front,load,0,400e3,0\nfront,load,1,400e3,0\n"
+                               "front,unload,0,-200e3,0\nfront,unload,1,-200e3,0\n";
+    scenario.springs[0].position[1] = 0.0; // straight on: no yaw, no lateral force
+    scenario.barrier.edge_y = 0.5;
+    double outcomes[2][OUTCOMES];
+    struct design design;
+    struct error error;
+    assert_int_equal(design_parse(&design, &scenario, "d.csv", text, strlen(text), &error),
+                     STATUS_OK);
+    for (int rule = 0; rule < 2; rule++) {
+        scenario.simulation.reloading = (enum scenario_reloading)rule;
+        struct kinematics_problem *problem = small_overlap_problem(&scenario, &design);
+        double values[8];
+        small_overlap_values(&design, values);
+        kinematics_evaluate(problem, 1, values, outcomes[rule], 1);
+        kinematics_free(problem);
+    }
+    design_fini(&design);
+    print_message("s_L %.4f and %.4f m\n", outcomes[0][OUTCOME_S_L], outcomes[1][OUTCOME_S_L]);
+    assert_true(outcomes[SCENARIO_RELOADING_THESIS][OUTCOME_TRAVEL_X] !=
+                outcomes[SCENARIO_RELOADING_CRUSHED][OUTCOME_TRAVEL_X]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(model_and_single_design_agree, set_up),
         cmocka_unit_test_setup(outcomes_have_the_stated_signs_and_units, set_up),
         cmocka_unit_test_setup(integrator_and_profile_are_passed_on, set_up),
+        cmocka_unit_test_setup(reloading_is_passed_on, set_up),
         cmocka_unit_test_setup(unload_branch_pushes_back, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
