@@ -17,10 +17,13 @@
 #include "sobox_text_t.h"
 #include "sobox_worker_status_t.h"
 
+#include <assert.h>
 #include <glib-unix.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 enum {
     OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
@@ -54,7 +57,8 @@ struct coordinator {
     struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
     GSource *opener;         // runs once to see whether another search may be opened
     GMainLoop *loop;
-    GSource *wake;      // the schedule's next deadline
+    int wake;           // a timer for the schedule's next deadline
+    int64_t wake_ns;    // which it is set to; INT64_MAX: to none
     int64_t waiting_ns; // since when no worker is there; 0 while there is one
     bool wait_said;
     enum status status; // why the loop ended
@@ -102,6 +106,21 @@ static void send_batch(struct coordinator *coordinator, uint64_t worker,
     (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
 }
 
+// Sets the timer for the next deadline. GLib's own timers count in milliseconds, in which two steps
+// of a cheap model are done.
+static void set_wake(struct coordinator *coordinator, int64_t wake_ns)
+{
+    if (wake_ns == coordinator->wake_ns)
+        return;
+    coordinator->wake_ns = wake_ns;
+    struct itimerspec when = {0}; // never
+    if (wake_ns != INT64_MAX)
+        when.it_value = (struct timespec){.tv_sec = wake_ns / CLOCK_SECOND_NS,
+                                          .tv_nsec = wake_ns % CLOCK_SECOND_NS};
+    const int set = timerfd_settime(coordinator->wake, TFD_TIMER_ABSTIME, &when, NULL);
+    assert(set == 0);
+}
+
 static void carry_out(struct coordinator *coordinator)
 {
     const struct schedule_effects *effects = &coordinator->effects;
@@ -125,8 +144,7 @@ static void carry_out(struct coordinator *coordinator)
             break;
         }
     }
-    g_source_set_ready_time(coordinator->wake,
-                            effects->wake_ns == INT64_MAX ? -1 : effects->wake_ns / 1000 + 1);
+    set_wake(coordinator, effects->wake_ns);
 }
 
 static void schedule_take(struct coordinator *coordinator, struct schedule_event *event)
@@ -466,17 +484,16 @@ static void heard_text_request(void *user, enum wire_kind kind, const void *byte
 
 // ---- Timers ----
 
-static gboolean woken(gpointer user)
+static gboolean woken(gint descriptor, GIOCondition condition, gpointer user)
 {
+    (void)condition;
     struct coordinator *coordinator = user;
+    uint64_t expirations;
+    if (read(descriptor, &expirations, sizeof expirations) < 0)
+        return G_SOURCE_CONTINUE; // set anew since it rang
+    coordinator->wake_ns = INT64_MAX;
     schedule_take(coordinator, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
     return G_SOURCE_CONTINUE;
-}
-
-static gboolean wake_dispatch(GSource *source, GSourceFunc callback, gpointer user)
-{
-    g_source_set_ready_time(source, -1);
-    return callback(user);
 }
 
 // Says for what the coordinator waits when no worker is there, once per wait.
@@ -619,10 +636,16 @@ static enum journal_state journal_state_after(enum status status, bool all_done)
     }
 }
 
+static gboolean timed_dispatch(GSource *source, GSourceFunc callback, gpointer user)
+{
+    g_source_set_ready_time(source, -1);
+    return callback(user);
+}
+
 // A source that runs whenever its ready time has come, and then waits for the next.
 static GSource *timed_source(struct coordinator *coordinator, GSourceFunc callback)
 {
-    static GSourceFuncs functions = {.dispatch = wake_dispatch};
+    static GSourceFuncs functions = {.dispatch = timed_dispatch};
     GSource *source = g_source_new(&functions, sizeof(GSource));
     g_source_set_callback(source, callback, coordinator, NULL);
     g_source_attach(source, NULL);
@@ -638,20 +661,20 @@ static void timed_source_end(GSource *source)
 // Runs the main loop with its timers and signals until something stops it.
 static void loop(struct coordinator *coordinator)
 {
-    coordinator->wake = timed_source(coordinator, woken);
     coordinator->opener = timed_source(coordinator, opening);
     if (coordinator->run->record.search_count > 1)
         coordinator->trimmer =
             trimmer_create(coordinator->settings->threads, heard_trimmed, coordinator);
-    guint timers[5] = {
+    guint timers[6] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
         g_unix_signal_add(SIGINT, interrupted, coordinator),
         g_unix_signal_add(SIGTERM, interrupted, coordinator),
+        g_unix_fd_add(coordinator->wake, G_IO_IN, woken, coordinator),
     };
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)
-        timers[4] =
+        timers[5] =
             g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
 
     publish_run_status(coordinator, RUN_STATE_RUNNING);
@@ -665,7 +688,6 @@ static void loop(struct coordinator *coordinator)
     }
     trimmer_free(coordinator->trimmer);
     timed_source_end(coordinator->opener);
-    timed_source_end(coordinator->wake);
     progress_end(&coordinator->progress);
 }
 
@@ -684,8 +706,11 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
         .ready = G_QUEUE_INIT,
         .loop = g_main_loop_new(NULL, FALSE),
+        .wake = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC),
+        .wake_ns = INT64_MAX,
         .error = error,
     };
+    assert(coordinator.wake >= 0);
     if (settings->children != NULL)
         children_watch(settings->children, child_ended, &coordinator);
 
@@ -706,6 +731,7 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
     wire_source_detach(wire);
     g_queue_clear(&coordinator.ready);
     g_main_loop_unref(coordinator.loop);
+    close(coordinator.wake);
     schedule_effects_fini(&coordinator.effects);
     schedule_free(coordinator.schedule);
     texts_free(coordinator.texts);
