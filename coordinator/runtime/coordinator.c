@@ -662,9 +662,12 @@ static void timed_source_end(GSource *source)
 static void loop(struct coordinator *coordinator)
 {
     coordinator->opener = timed_source(coordinator, opening);
+<<<<<<< Updated upstream
     if (coordinator->run->record.search_count > 1)
         coordinator->trimmer =
             trimmer_create(coordinator->settings->threads, heard_trimmed, coordinator);
+=======
+>>>>>>> Stashed changes
     guint timers[6] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
@@ -686,7 +689,6 @@ static void loop(struct coordinator *coordinator)
         if (timers[i] != 0)
             g_source_remove(timers[i]);
     }
-    trimmer_free(coordinator->trimmer);
     timed_source_end(coordinator->opener);
     progress_end(&coordinator->progress);
 }
@@ -715,8 +717,12 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         children_watch(settings->children, child_ended, &coordinator);
 
     coordinator.status = subscribe(&coordinator);
+    if (coordinator.status == STATUS_OK && run->record.search_count > 1)
+        coordinator.status = trimmer_create(&coordinator.trimmer, settings->threads, heard_trimmed,
+                                            &coordinator, error);
     if (coordinator.status == STATUS_OK)
         loop(&coordinator);
+    trimmer_free(coordinator.trimmer);
 
     enum status status = coordinator.status;
     const bool all_done = run->done_count == run->record.search_count;

@@ -18,7 +18,10 @@ struct trimmer;
 // Told on the default main context which searches (struct run_search *) are trimmed.
 typedef void trimmer_handler(void *user, GPtrArray *searches);
 
-struct trimmer *trimmer_create(int threads, trimmer_handler *handler, void *user);
+// Starts the threads (at least 1; fewer than asked for where the system refuses more).
+// Errors: STATUS_FAILED (no thread, no descriptor).
+enum status trimmer_create(struct trimmer **trimmer, int threads, trimmer_handler *handler,
+                           void *user, struct error *error) MUST_USE;
 
 // Waits for what the threads have in hand; nobody is told of it. NULL is fine.
 void trimmer_free(struct trimmer *trimmer);

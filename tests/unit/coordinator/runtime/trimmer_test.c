@@ -82,7 +82,8 @@ static void end(struct fixture *fixture)
 
 static void trim_all(struct fixture *fixture, int threads)
 {
-    fixture->trimmer = trimmer_create(threads, heard, fixture);
+    struct error error = {0};
+    assert_int_equal(trimmer_create(&fixture->trimmer, threads, heard, fixture, &error), STATUS_OK);
     for (uint32_t i = 0; i < SEARCHES; i++) {
         judge(&fixture->searches[i]);
         trimmer_take(fixture->trimmer, &fixture->searches[i]);
@@ -119,7 +120,8 @@ static void threads_end_in_the_middle_of_work(void **state)
     (void)state;
     struct fixture fixture;
     start(&fixture);
-    fixture.trimmer = trimmer_create(2, heard, &fixture);
+    struct error error = {0};
+    assert_int_equal(trimmer_create(&fixture.trimmer, 2, heard, &fixture, &error), STATUS_OK);
     for (uint32_t i = 0; i < SEARCHES; i++) {
         judge(&fixture.searches[i]);
         trimmer_take(fixture.trimmer, &fixture.searches[i]);
