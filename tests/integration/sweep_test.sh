@@ -1,0 +1,192 @@
+# A sweep: many searches that share the workers, may be ended at any time, and give what each of
+# their scenarios gives alone.
+# shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
+
+# A sweep of SEEDS seeds times two masses.
+_write_sweep() # SEEDS
+{
+    cat >sweep.yaml <<EOF
+sweep: masses
+base: $scenario
+axes:
+  - {path: vehicle.mass, values: [1500, 1650]}
+replicates: $1
+EOF
+}
+
+# What a sweep is worth, without the time it took.
+_rows() # RUN
+{
+    journal "$1" 'SELECT number, name, status, hex(digest), hex(bounds) FROM search ORDER BY number'
+}
+
+_expect_same_sweep() # RUN RUN
+{
+    [ -n "$(_rows "$1")" ] || fail "$1 has no rows"
+    expect_equal "$(_rows "$2")" "$(_rows "$1")" "the searches of $2 beside those of $1"
+    cmp "$1/corridors.csv" "$2/corridors.csv" || fail "the corridors of $1 and $2 differ"
+    cmp "$1/history.csv" "$2/history.csv" || fail "the histories of $1 and $2 differ"
+}
+
+_has_done() # RUN COUNT
+{
+    local count
+    count=$(journal "$1" 'SELECT count(*) FROM search WHERE finished' 2>/dev/null) &&
+        [ "$count" -ge "$2" ]
+}
+
+every_case_gives_the_digest_of_its_scenario_alone()
+{
+    _write_sweep 3
+    run 0 sobox-coordinator sweep.yaml --out run
+    expect_said out 'masses, 6 searches'
+    expect_equal "$(journal run 'SELECT state FROM run')" 'done' 'state of the run'
+    run 0 sobox-coordinator "$scenario" --set vehicle.mass=1650 --seed 3 --out alone
+    expect_equal "$(journal run "SELECT hex(digest) FROM search WHERE name = 'mass=1650,seed=3'")" \
+        "$(journal alone 'SELECT hex(digest) FROM search')" 'digest of the case'
+}
+
+sweep_is_the_same_over_any_workers_and_threads()
+{
+    _write_sweep 4
+    run 0 sobox-coordinator sweep.yaml --out one --threads 1
+    run 0 sobox-coordinator sweep.yaml --out many --threads 4
+    _expect_same_sweep one many
+    run 0 sobox-coordinator sweep.yaml --out workers --workers 3
+    _expect_same_sweep one workers
+}
+
+sweep_killed_in_its_middle_resumes_to_the_same_rows()
+{
+    _write_sweep 8
+    run 0 sobox-coordinator sweep.yaml --out calm
+    local done
+    start coordinator sobox-coordinator sweep.yaml --out run --threads 1
+    for done in 1 5 9; do
+        wait_until "$done searches are done" _has_done run "$done"
+        signal KILL coordinator
+        finish 137 coordinator
+        start coordinator sobox-coordinator --resume run --threads 2
+    done
+    finish 0 coordinator
+    _expect_same_sweep calm run
+}
+
+ctrl_c_in_a_sweep_over_worker_processes_resumes_to_the_same_rows()
+{
+    _write_sweep 6
+    run 0 sobox-coordinator sweep.yaml --out calm
+    start coordinator sobox-coordinator sweep.yaml --out run --workers 2
+    wait_until 'a search is done' _has_done run 1
+    press_ctrl_c coordinator
+    finish 130 coordinator
+    expect_said coordinator.err '--resume run'
+    run 0 sobox-coordinator --resume run
+    _expect_same_sweep calm run
+}
+
+# The parts of a sweep that several coordinators, or sessions, carry out make up the whole.
+parts_of_a_sweep_make_up_the_whole()
+{
+    _write_sweep 3
+    run 0 sobox-coordinator sweep.yaml --out whole
+    run 0 sobox-coordinator sweep.yaml --out shard1 --shard 1/2
+    run 0 sobox-coordinator sweep.yaml --out shard2 --shard 2/2
+    expect_equal "$({
+        journal shard1 'SELECT name, hex(digest) FROM search'
+        journal shard2 'SELECT name, hex(digest) FROM search'
+    } | sort)" "$(journal whole 'SELECT name, hex(digest) FROM search' | sort)" 'rows of the shards'
+
+    run 0 sobox-coordinator sweep.yaml --out parts --stop-after 2
+    expect_said err '4 of 6 searches wait.*--resume parts'
+    run 0 sobox-coordinator --resume parts --only '*seed=3'
+    expect_said err '2 of 6 searches wait'
+    run 2 sobox-coordinator --resume parts --only '*seed=3'
+    expect_said err "matches no search"
+    run 0 sobox-coordinator --resume parts
+    _expect_same_sweep whole parts
+    run 1 sobox-coordinator --resume parts
+    expect_said err 'this run is done'
+}
+
+only_runs_what_it_names_or_says_how_names_look()
+{
+    _write_sweep 3
+    run 0 sobox-coordinator sweep.yaml --out run --only 'mass=1650,seed=[12]'
+    expect_equal "$(journal run 'SELECT group_concat(name) FROM search')" \
+        'mass=1650,seed=1,mass=1650,seed=2' 'names of the searches'
+    run 2 sobox-coordinator sweep.yaml --out none --only 'weight=*'
+    expect_said err "names like 'mass=1500,seed=1'"
+    expect_no none
+}
+
+dry_run_prints_the_cases_and_an_estimate_and_writes_nothing()
+{
+    _write_sweep 2
+    run 0 sobox-coordinator sweep.yaml --dry-run
+    expect_equal "$(head -n 4 out)" "mass=1500,seed=1
+mass=1500,seed=2
+mass=1650,seed=1
+mass=1650,seed=2" 'the cases'
+    expect_said out '4 searches of 20800 designs in all'
+    expect_said out 'about [0-9.]+ (s|min) on [0-9]+ core'
+    expect_no runs
+}
+
+# A case in which nothing is good is a row; only when all are so is it said with the exit status.
+case_without_a_good_design_is_a_row()
+{
+    _write_sweep 1
+    sed -i 's/path: .*/path: firewall_distance, values: [0.25, 1.2]}/' sweep.yaml
+    run 0 sobox-coordinator sweep.yaml --out run
+    expect_equal "$(journal run 'SELECT group_concat(status) FROM search')" 'done,no_good_design' \
+        'status of the searches'
+    run 3 sobox-coordinator sweep.yaml --out none --only '*=1.2,*'
+}
+
+invalid_case_is_named_before_anything_starts()
+{
+    _write_sweep 1
+    sed -i 's/1500, 1650/1500, -3/' sweep.yaml
+    run 2 sobox-coordinator sweep.yaml --out run
+    expect_said err '^sweep\.yaml:4:[0-9]+: vehicle\.mass: expected more than 0 kg, found -3 \(in the case mass=-3,seed=1'
+    expect_one_line err
+    expect_no run
+    run 0 sobox-coordinator sweep.yaml --out run --keep-going
+    expect_said err '^sweep\.yaml:4:.*mass=-3'
+    expect_said err '1 case is left out'
+    expect_equal "$(journal run 'SELECT group_concat(name) FROM search')" 'mass=1500,seed=1' 'names'
+}
+
+mistakes_in_a_sweep_are_told_with_their_place()
+{
+    _write_sweep 0
+    run 2 sobox-coordinator sweep.yaml
+    expect_said err '^sweep\.yaml:5:13: replicates: expected a whole number'
+    _write_sweep 2
+    sed -i 's/vehicle.mass/vehicle.masss/' sweep.yaml
+    run 2 sobox-coordinator sweep.yaml
+    expect_said err "^sweep\.yaml:4:.*unknown key 'masss'; did you mean 'mass'"
+    _write_sweep 90000
+    run 2 sobox-coordinator sweep.yaml
+    expect_said err 'at most 100000 cases'
+    expect_no runs
+}
+
+sweep_options_want_a_sweep()
+{
+    local option
+    for option in --only=x --shard=1/2 --stop-after=3 --keep-going --dry-run; do
+        run 2 sobox-coordinator "$scenario" "$option"
+        expect_said err "${option%=*} goes with a sweep"
+    done
+    _write_sweep 1
+    for option in --shard=0/2 --shard=3/2 --shard=1 --shard=1/2x --stop-after=-1; do
+        run 2 sobox-coordinator sweep.yaml "$option"
+        expect_said err "${option%%=*}"
+    done
+    run 2 sobox-coordinator sweep.yaml --set vehicle.mass=3
+    expect_said err 'vehicle\.mass is changed by the sweep'
+    run 2 sobox-coordinator sweep.yaml --resume runs/masses
+    expect_no runs
+}
