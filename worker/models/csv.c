@@ -79,15 +79,17 @@ enum status csv_number(const struct csv *csv, uint32_t field, const char *name, 
 {
     enum { NUMBER_SIZE = 64 }; // [bytes] with the NUL; longer than any double needs
     const struct csv_field *at = &csv->fields[field];
-    char text[NUMBER_SIZE] = "";
-    char *end = text;
+    char text[NUMBER_SIZE];
+    bool whole = false;
     double value = NAN;
     if (at->size > 0 && at->size < sizeof text) {
+        char *end;
         memcpy(text, at->text, at->size);
         text[at->size] = '\0';
         value = g_ascii_strtod(text, &end);
+        whole = end == text + at->size;
     }
-    if (end != text + at->size || !isfinite(value)) {
+    if (!whole || !isfinite(value)) {
         return csv_error(csv, field, error, "%s: expected a finite number [%s], found \"%.*s\"",
                          name, unit, (int)MIN(at->size, sizeof text), at->text);
     }
