@@ -3,6 +3,7 @@
 #include "coordinator/report/page.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 enum {
@@ -64,6 +65,22 @@ static double share(const struct box *space, uint32_t variable, double value)
 {
     const double width = space->upper[variable] - space->lower[variable];
     return width > 0 ? 100 * (value - space->lower[variable]) / width : 50;
+}
+
+// The shares that the bars reach to; another run's may lie outside of this one's design space.
+static void share_range(const struct figure *figure, const GArray *rows, double *least,
+                        double *greatest)
+{
+    *least = 0;
+    *greatest = 100;
+    const struct box *box = figure->other != NULL ? figure->other->box : NULL;
+    for (uint32_t row = 0; box != NULL && row < rows->len; row++) {
+        const uint32_t variable = g_array_index(rows, uint32_t, row);
+        const uint32_t index = find_variable(figure->other, row_name(figure, rows, row));
+        const struct box *space = &figure->search->scenario.design_space;
+        *least = fmin(*least, share(space, variable, box->lower[index]));
+        *greatest = fmax(*greatest, share(space, variable, box->upper[index]));
+    }
 }
 
 // "$corridor << END": place from the top, share and number of lower and upper.
@@ -155,8 +172,13 @@ static void put_axes(GString *script, const struct figure *figure, const GArray 
                            (double)left_margin(figure, rows) / PAGE_WIDTH,
                            1 - (double)PAGE_RIGHT / PAGE_WIDTH, 1 - page_top(figure) / height,
                            PAGE_BOTTOM / height);
+    double least, greatest;
+    share_range(figure, rows, &least, &greatest);
+    const double edge = 0.14 * (greatest - least); // for the numbers beside the bars
+    g_string_append_printf(script, "set xrange [%.1f:%.1f]\n", least - edge, greatest + edge);
+    if (greatest - least == 100)
+        g_string_append(script, "set xtics 0, 20, 100\n");
     g_string_append_printf(script,
-                           "set xrange [-14:114]\nset xtics 0, 20, 100\n"
                            "set xlabel 'share of the design space [%%]' offset 0, 0.5\n"
                            "set yrange [%" PRIu32 ".7:0.3]\n"
                            "set grid noytics\n",
