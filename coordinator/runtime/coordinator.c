@@ -662,12 +662,6 @@ static void timed_source_end(GSource *source)
 static void loop(struct coordinator *coordinator)
 {
     coordinator->opener = timed_source(coordinator, opening);
-<<<<<<< Updated upstream
-    if (coordinator->run->record.search_count > 1)
-        coordinator->trimmer =
-            trimmer_create(coordinator->settings->threads, heard_trimmed, coordinator);
-=======
->>>>>>> Stashed changes
     guint timers[6] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
