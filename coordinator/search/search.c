@@ -10,13 +10,13 @@
 #include <string.h>
 
 enum {
-    SEARCH_STARTS = 3,        // boxes that are grown at first, one from each start
-    SEARCH_START_STEPS = 40,  // of exploration for each start beyond the first
+    SEARCH_STARTS = 4,        // boxes that are grown at first, one from each start
+    SEARCH_START_STEPS = 25,  // of exploration for each start beyond the first
     SEARCH_CHUNK = 1024,      // samples made at once when a step is gone through
     SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
     SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
     SEARCH_TRIAL_STEPS = 5,   // that a box cut out of the known bad samples is put to
-    SEARCH_GROW_STEPS = 6,    // of each box between two decisions of the tournament
+    SEARCH_GROW_STEPS = 5,    // of each box between two decisions of the tournament
 };
 
 // The good share that exploration aims at, as a bad share.
@@ -75,6 +75,7 @@ struct search {
     uint32_t turn;       // place in `left` of the box whose step it is
     uint32_t turn_steps; // steps it has left in this round
     uint32_t explore_steps;
+    uint32_t growing_steps; // of all boxes together; then those that have grown are balanced
 
     // Consolidate.
     uint32_t consolidate_steps; // of this consolidation, finished
@@ -286,11 +287,15 @@ static double bad_share_wanted(const struct search *search)
     const struct scenario_search *settings = &search->scenario->search;
     const int64_t most = certificate_bad_max(&search->certificate, settings->certificate_samples,
                                              settings->target_purity);
-    double share = most > 0 ? (double)most / settings->certificate_samples : 0;
-    // A certificate that allows hardly any bad sample says little about what it would take.
-    const double least = (1 - settings->target_purity) / 4;
-    share *= search_share_wanted;
-    share = share > least ? share : least;
+    // With (sqrt(m + 1) - 0.82)^2 bad samples expected, more than m come in 5 % of cases; where m
+    // is large the box's own uncertainty counts for more.
+    const double root = most >= 0 ? sqrt((double)most + 1) - 0.82 : 0;
+    const double sure = root * root / settings->certificate_samples;
+    double share = search_share_wanted * (double)most / settings->certificate_samples;
+    share = share < sure ? share : sure;
+    // A certificate that allows no bad sample says little about what it would take.
+    if (most <= 0)
+        share = (1 - settings->target_purity) / 4;
     // Each miss shows that the box comes out worse than it was meant to.
     for (uint32_t look = 0; look < search->certificate.looks; look++)
         share *= 0.9;
@@ -387,7 +392,9 @@ static uint32_t round_steps(const struct search *search)
 {
     const uint32_t most = search->scenario->search.exploration_steps;
     const uint32_t fair = most / (4 * search->left_count);
-    return fair < 1 ? 1 : fair < SEARCH_GROW_STEPS ? fair : SEARCH_GROW_STEPS;
+    // The last decision, between two, is taken after they have begun to balance.
+    const uint32_t wanted = search->left_count == 2 ? 2 * SEARCH_GROW_STEPS : SEARCH_GROW_STEPS;
+    return fair < 1 ? 1 : fair < wanted ? fair : wanted;
 }
 
 // More starts where there are steps to spend on them, but never the middle of the good designs
@@ -412,6 +419,7 @@ static void start_explore(struct search *search)
     search->phase = SEARCH_PHASE_EXPLORE;
     search->turn = 0;
     search->turn_steps = round_steps(search);
+    search->growing_steps = search->left_count * search->turn_steps;
 }
 
 // Whether the whole design space turned out good when it was last sampled.
@@ -480,8 +488,8 @@ static void halve(struct search *search)
     search->left_count = (search->left_count + 1) / 2;
 }
 
-// Gives the turn to the next box in the tournament; after the last one the better half stays. The
-// last one left balances its sides once it has grown.
+// Gives the turn to the next box in the tournament; after the last one the better half stays. After
+// the first round boxes balance their sides once they have grown: trimming on would only nibble.
 static void go_on(struct search *search)
 {
     if (search->turn_steps > 1) {
@@ -492,9 +500,9 @@ static void go_on(struct search *search)
             search->turn = 0;
         }
         search->turn_steps = round_steps(search);
-    } else if (current(search)->grown) {
-        explore_settle(current(search));
     }
+    if (search->explore_steps >= search->growing_steps && current(search)->grown)
+        explore_settle(current(search));
 }
 
 static void complete_explore(struct search *search)

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <glib.h>
+#include <math.h>
 
 static const double seek_spread =
     1.05; // widening of the elite's own spread, against settling early
@@ -149,6 +150,26 @@ static void come_nearer(const struct seek *seek, double *nearest, const double *
     }
 }
 
+// The point that comes `rank` places behind the first when points are ordered by distance; ties go
+// by index.
+static uint32_t ranked_point(const double *distance, uint32_t count, uint32_t rank)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t before = 0;
+        for (uint32_t j = 0; j < count; j++)
+            before += distance[j] < distance[i] || (distance[j] == distance[i] && j < i);
+        if (before == rank)
+            return i;
+    }
+    return count - 1;
+}
+
+static void fill_infinite(double *values, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        values[i] = INFINITY;
+}
+
 void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts)
 {
     const struct cloud *good = &seek->good;
@@ -162,21 +183,15 @@ void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts)
     }
     for (uint32_t i = 0; i < good->count; i++)
         nearest[i] = apart(seek, i, middle, 1);
+    // The first is the one nearest to the middle, the second half-way out, the others are far from
+    // all before them.
     for (uint32_t done = 0; done < count && done < good->count; done++) {
-        // The first is the one nearest to the middle, the others are far from all before them.
-        uint32_t best = 0;
-        for (uint32_t i = 1; i < good->count; i++) {
-            if (done == 0 ? nearest[i] < nearest[best] : nearest[i] > nearest[best])
-                best = i;
-        }
-        const double *point = good->values + best;
+        const uint32_t rank = done == 0 ? 0 : done == 1 ? good->count / 2 : good->count - 1;
+        const double *point = good->values + ranked_point(nearest, good->count, rank);
         cloud_add(starts, point, good->capacity, 0);
-        if (done == 0) {
-            for (uint32_t i = 0; i < good->count; i++)
-                nearest[i] = apart(seek, i, point, good->capacity);
-        } else {
-            come_nearer(seek, nearest, point, good->capacity);
-        }
+        if (done == 0)
+            fill_infinite(nearest, good->count);
+        come_nearer(seek, nearest, point, good->capacity);
     }
     g_free(nearest);
     g_free(middle);

@@ -46,9 +46,9 @@ void seek_complete(struct seek *seek, const struct cloud *good, const struct clo
                    uint32_t samples);
 
 // Adds up to `count` points to `starts` from which boxes may grow: the middle of the good designs,
-// where a connected region is widest (it need not be good itself), then good designs far apart from
-// each other, the most central one first. Fewer when there are not so many good ones; at least one
-// of two or more is good.
+// where a connected region is widest (it need not be good itself), the good design nearest to it,
+// one half-way out, and then those farthest from all chosen ones. Fewer when there are not so many
+// good ones; at least one of two or more is good.
 void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts);
 
 #endif
