@@ -1,6 +1,6 @@
 #include "common/scenario/crash_read.h"
 
-#include "common/scenario/constraint_read.h"
+#include "common/scenario/constraint.h"
 #include "common/scenario/field.h"
 #include "common/scenario/words.h"
 
@@ -113,6 +113,8 @@ static const struct field spring_fields[] = {
      .unit = "m", .expected = "a list of two numbers: x and y from the COG in m"},
     {"length", FIELD_NUMBER, .optional = true, AT(spring_document, spring.length),
      .range = FIELD_POSITIVE, .unit = "m"},
+    {"height", FIELD_NUMBER, .optional = true, AT(spring_document, spring.height),
+     .range = FIELD_ANY, .unit = "m"},
     {"deformation", FIELD_NODE, AT(spring_document, deformation),
      .expected = "an ascending list of deformations in m"},
     {"force_x", FIELD_NODE, AT(spring_document, force[SCENARIO_DIRECTION_X]),
@@ -194,7 +196,7 @@ static bool place_spring(const struct tree_node *node, const struct scenario *sc
 static bool read_spring(const struct tree_node *node, const struct scenario *scenario,
                         struct scenario_spring *spring, struct error *error)
 {
-    struct spring_document document = {0};
+    struct spring_document document = {.spring.height = NAN};
     if (!field_read(node, spring_fields, G_N_ELEMENTS(spring_fields), &document, error))
         return false;
     *spring = document.spring;

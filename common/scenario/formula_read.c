@@ -1,6 +1,6 @@
 #include "common/scenario/formula_read.h"
 
-#include "common/scenario/constraint_read.h"
+#include "common/scenario/constraint.h"
 #include "common/scenario/field.h"
 #include "common/scenario/formula.h"
 

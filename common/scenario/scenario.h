@@ -75,10 +75,12 @@ struct scenario_barrier {
 // An axial and a lateral spring that share a place and the axial deformation.
 struct scenario_spring {
     char name[SCENARIO_NAME_SIZE];
-    double position[2];                     // [m] from the COG in vehicle axes
-    double length;                          // [m] undeformed
-    uint32_t point_count;                   // 2..SCENARIO_POINT_MAX
-    double deformation[SCENARIO_POINT_MAX]; // [m] ascending
+    double position[2];   // [m] from the COG in vehicle axes
+    double length;        // [m] undeformed
+    double height;        // [m] above the road, NAN where none is given: the crash is planar, only
+                          // measured barrier forces are shared among springs of the same y by it
+    uint32_t point_count; // 2..SCENARIO_POINT_MAX
+    double deformation[SCENARIO_POINT_MAX];                           // [m] ascending
     double force_lower[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N] the design space
     double force_upper[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N]
 };

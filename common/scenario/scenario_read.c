@@ -1,6 +1,6 @@
 #include "common/scenario/scenario_read.h"
 
-#include "common/scenario/constraint_read.h"
+#include "common/scenario/constraint.h"
 #include "common/scenario/crash_read.h"
 #include "common/scenario/field.h"
 #include "common/scenario/formula_read.h"
@@ -100,7 +100,7 @@ static bool read_document(const struct tree_node *root, struct document *documen
                     : formula_read(&document->formula, scenario, error);
     return read && constraint_read(document->constraints, scenario, error) &&
            require_constraint(root, scenario, error) &&
-           (document->search == NULL || (search_offered(document->search, error) &&
+           (document->search == NULL || (search_read_offered(document->search, error) &&
                                          search_read(document->search, scenario, error)));
 }
 

@@ -58,7 +58,7 @@ static const char *const not_honoured[] = {
     "weights", "minimum_widths", "hold",  "tie",
 };
 
-bool search_offered(const struct tree_node *node, struct error *error)
+bool search_read_offered(const struct tree_node *node, struct error *error)
 {
     for (size_t i = 0; i < G_N_ELEMENTS(not_honoured); i++) {
         const struct tree_node *value = tree_child(node, not_honoured[i]);

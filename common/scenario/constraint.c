@@ -1,4 +1,4 @@
-#include "common/scenario/constraint_read.h"
+#include "common/scenario/constraint.h"
 
 #include "common/scenario/field.h"
 #include "common/scenario/formula.h"

@@ -1,6 +1,6 @@
 // Constraints: what a design must meet to be good.
-#ifndef SOBOX_COMMON_SCENARIO_CONSTRAINT_READ_H
-#define SOBOX_COMMON_SCENARIO_CONSTRAINT_READ_H
+#ifndef SOBOX_COMMON_SCENARIO_CONSTRAINT_H
+#define SOBOX_COMMON_SCENARIO_CONSTRAINT_H
 
 #include "common/scenario/scenario.h"
 #include "common/scenario/tree.h"
