@@ -10,7 +10,7 @@ worker_processes_evaluate_other_models()
     run 0 sobox-coordinator "$problem" --out inside
     run 0 sobox-coordinator "$problem" --out outside --workers 2
     expect_same_run inside outside
-    expect_equal "$(json inside/result.json '$.searches[0].status')" done 'status'
+    expect_equal "$(json inside/result.json '$.searches[0].status')" 'done' 'status'
     expect_equal "$(json inside/result.json '$.searches[0].variables[0].name')" F1 'variable'
     expect_equal "$(json inside/result.json '$.searches[0].variables[0].spring')" '' 'spring'
     expect_equal "$(cut -d , -f 1-4 inside/corridors.csv | sed -n 2p)" 0,F1,, 'place of a corridor'
