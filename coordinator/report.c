@@ -143,7 +143,8 @@ static bool older(const char *path, const GStatBuf *than)
 // may be one where nothing can be written.
 static bool exports_due(const char *directory)
 {
-    static const char *const EXPORTS[] = {"result.json", "corridors.csv", "history.csv"};
+    static const char *const EXPORTS[] = {"result.json", "corridors.csv",
+                                          "history.csv"}; // summary.csv is written with them
     static const char *const SOURCES[] = {"run.db", "run.db-wal"};
     bool due = false;
     for (size_t s = 0; s < G_N_ELEMENTS(SOURCES); s++) {

@@ -1,4 +1,5 @@
-// result.json, corridors.csv and history.csv.
+// result.json, corridors.csv, history.csv and, of a sweep, summary.csv. They are written side by
+// side, one search after the other, so that a sweep of any size costs the memory of one search.
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
@@ -10,38 +11,29 @@
 #include <math.h>
 #include <string.h>
 
-static enum status write_file(const char *directory, const char *name, const char *text,
-                              size_t size, struct error *error)
-{
-    char *path = g_build_filename(directory, name, NULL);
-    enum status status = whole_file_write(path, text, size, error);
-    g_free(path);
-    return status;
-}
-
 // ---- CSV ----
 
-static void csv_number(GString *csv, double value)
+static void csv_number(FILE *csv, double value)
 {
     char text[NUMBER_SIZE];
-    g_string_append_printf(csv, ",%s", number_exact(value, text));
+    fprintf(csv, ",%s", number_exact(value, text));
 }
 
 // Where a corridor's interval belongs: a point of a spring, or the variable that it is alone.
-static void corridor_place(GString *csv, uint32_t index, const struct scenario *scenario,
+static void corridor_place(FILE *csv, uint32_t index, const struct scenario *scenario,
                            const struct scenario_variable *variable)
 {
     if (variable->spring == SCENARIO_NO_SPRING) {
-        g_string_append_printf(csv, "%" PRIu32 ",%s,,", index, variable->name);
+        fprintf(csv, "%" PRIu32 ",%s,,", index, variable->name);
         return;
     }
     const struct scenario_spring *spring = &scenario->springs[variable->spring];
-    g_string_append_printf(csv, "%" PRIu32 ",%s,%s", index, spring->name,
-                           scenario_direction_name(variable->direction));
+    fprintf(csv, "%" PRIu32 ",%s,%s", index, spring->name,
+            scenario_direction_name(variable->direction));
     csv_number(csv, spring->deformation[variable->point]);
 }
 
-static void corridor_rows(GString *csv, uint32_t index, const struct run_data_search *search)
+static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
     for (uint32_t i = 0; search->box != NULL && i < search->box->count; i++) {
@@ -50,33 +42,121 @@ static void corridor_rows(GString *csv, uint32_t index, const struct run_data_se
         csv_number(csv, search->box->upper[i]);
         csv_number(csv, scenario->design_space.lower[i]);
         csv_number(csv, scenario->design_space.upper[i]);
-        g_string_append_c(csv, '\n');
+        fputc('\n', csv);
     }
 }
 
-static void history_rows(GString *csv, uint32_t index, const struct run_data_search *search)
+static void history_rows(FILE *csv, uint32_t index, const struct run_data_search *search)
 {
     for (guint i = 0; i < search->steps->len; i++) {
         const struct run_step *step = &g_array_index(search->steps, struct run_step, i);
-        g_string_append_printf(csv, "%" PRIu32 ",%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32, index,
-                               step->phase, step->step, step->samples, step->good);
+        fprintf(csv, "%" PRIu32 ",%s,%" PRIu32 ",%" PRIu32 ",%" PRIu32, index, step->phase,
+                step->step, step->samples, step->good);
         csv_number(csv, step->growth);
         csv_number(csv, step->log_volume);
-        g_string_append_c(csv, '\n');
+        fputc('\n', csv);
     }
 }
 
-static enum status write_csv(const struct run_data *data, const char *directory, const char *name,
-                             const char *header,
-                             void (*rows)(GString *, uint32_t, const struct run_data_search *),
-                             struct error *error)
+// ---- The summary of a sweep ----
+
+// A cell that may hold anything.
+static void csv_text(FILE *csv, const char *text)
 {
-    GString *csv = g_string_new(header);
-    for (uint32_t i = 0; i < data->run.search_count; i++)
-        rows(csv, i, &data->searches[i]);
-    enum status status = write_file(directory, name, csv->str, csv->len, error);
-    g_string_free(csv, TRUE);
-    return status;
+    char *plain = report_name_plain(text);
+    if (strpbrk(plain, ",\"") == NULL) {
+        fputs(plain, csv);
+    } else {
+        fputc('"', csv);
+        for (const char *c = plain; *c != '\0'; c++) {
+            if (*c == '"')
+                fputc('"', csv);
+            fputc(*c, csv);
+        }
+        fputc('"', csv);
+    }
+    g_free(plain);
+}
+
+// A number that is not known is an empty cell.
+static void csv_known(FILE *csv, bool known, double value)
+{
+    if (known)
+        csv_number(csv, value);
+    else
+        fputc(',', csv);
+}
+
+// The columns of the corridors are those of the first case; in a case that has other variables the
+// ones it lacks stay empty.
+static void summary_header(FILE *csv, const struct run_data *data, char **variables)
+{
+    fputs("case", csv);
+    for (char **axis = data->axes; *axis != NULL; axis++) {
+        fputc(',', csv);
+        csv_text(csv, *axis);
+    }
+    fputs(",status,log_volume,purity_estimate,purity_lower95,evaluations,wall_s,digest", csv);
+    for (char **variable = variables; *variable != NULL; variable++) {
+        char *lower = g_strconcat(*variable, ".lower", NULL);
+        char *upper = g_strconcat(*variable, ".upper", NULL);
+        fputc(',', csv);
+        csv_text(csv, lower);
+        fputc(',', csv);
+        csv_text(csv, upper);
+        g_free(lower);
+        g_free(upper);
+    }
+    fputc('\n', csv);
+}
+
+// The variable of that name; it mostly stands where it stood in the first case.
+static const struct scenario_variable *find_variable(const struct scenario *scenario,
+                                                     const char *name, uint32_t likely)
+{
+    const uint32_t count = scenario->design_space.count;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct scenario_variable *variable = &scenario->variables[(likely + i) % count];
+        if (strcmp(variable->name, name) == 0)
+            return variable;
+    }
+    return NULL;
+}
+
+static void summary_row(FILE *csv, const struct run_data_search *search, char **variables)
+{
+    const struct journal_search *record = &search->record;
+    const bool certified = record->finished && record->purity_samples > 0;
+    char hex[DIGEST_HEX_SIZE];
+    csv_text(csv, search->name);
+    for (char **value = search->values; *value != NULL; value++) {
+        fputc(',', csv);
+        csv_text(csv, *value);
+    }
+    fprintf(csv, ",%s", search->status);
+    csv_known(csv, search->box != NULL, search->log_volume);
+    csv_known(csv, certified, record->purity_estimate);
+    csv_known(csv, certified, record->purity_lower95);
+    fprintf(csv, ",%" PRIu64, search->evaluations);
+    csv_number(csv, (double)search->wall_ns * 1e-9);
+    fprintf(csv, ",%s", record->finished ? digest_hex(&record->digest, hex) : "");
+    for (uint32_t v = 0; variables[v] != NULL; v++) {
+        const struct scenario *scenario = &search->scenario;
+        const struct scenario_variable *variable = find_variable(scenario, variables[v], v);
+        const bool known = search->box != NULL && variable != NULL;
+        const size_t place = known ? (size_t)(variable - scenario->variables) : 0;
+        csv_known(csv, known, known ? search->box->lower[place] : 0);
+        csv_known(csv, known, known ? search->box->upper[place] : 0);
+    }
+    fputc('\n', csv);
+}
+
+static char **variable_names(const struct scenario *scenario)
+{
+    char **names = g_new0(char *, scenario->design_space.count + 1);
+    for (uint32_t i = 0; i < scenario->design_space.count; i++)
+        names[i] = g_strdup(scenario->variables[i].name);
+    return names;
 }
 
 // ---- JSON ----
@@ -141,7 +221,15 @@ static json_t *json_purity(const struct journal_search *record)
                      json_number(record->purity_lower95));
 }
 
-static json_t *json_search(const struct run_data_search *search)
+static json_t *json_case(const struct run_data *data, const struct run_data_search *search)
+{
+    json_t *values = json_object();
+    for (size_t i = 0; data->axes[i] != NULL; i++)
+        json_object_set_new(values, data->axes[i], json_string(search->values[i]));
+    return values;
+}
+
+static json_t *json_search(const struct run_data *data, const struct run_data_search *search)
 {
     const struct journal_search *record = &search->record;
     char hex[DIGEST_HEX_SIZE];
@@ -151,6 +239,8 @@ static json_t *json_search(const struct run_data_search *search)
         "log_volume", search->box != NULL ? json_number(search->log_volume) : json_null(), "purity",
         json_purity(record), "evaluations", json_unsigned(search->evaluations), "steps",
         (json_int_t)search->steps->len, "wall_s", (double)search->wall_ns * 1e-9);
+    if (data->axes[0] != NULL)
+        json_object_set_new(object, "case", json_case(data, search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
     if (record->blocking_constraint[0] != '\0')
@@ -162,39 +252,104 @@ static json_t *json_search(const struct run_data_search *search)
     return object;
 }
 
-static enum status write_json(const struct run_data *data, const char *directory,
-                              struct error *error)
+// Writes a value as part of a greater one, its lines moved to the right.
+static void json_put(FILE *out, json_t *value, const char *indent)
 {
-    json_t *searches = json_array();
-    for (uint32_t i = 0; i < data->run.search_count; i++)
-        json_array_append_new(searches, json_search(&data->searches[i]));
-    json_t *root = json_pack("{s:s, s:s, s:o}", "name", data->run.name, "version",
-                             data->run.version, "searches", searches);
-    assert(root != NULL); // all text is UTF-8 and all numbers are finite: run_data_read() saw to it
-    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-    char *line = g_strconcat(text, "\n", NULL);
-    enum status status = write_file(directory, "result.json", line, strlen(line), error);
-    g_free(line);
+    assert(value != NULL); // all text is UTF-8 and all numbers are finite: run_data.c saw to it
+    char *text = json_dumps(value, JSON_INDENT(2) | JSON_REAL_PRECISION(17) | JSON_ENCODE_ANY);
+    for (const char *c = text; *c != '\0'; c++) {
+        fputc(*c, out);
+        if (*c == '\n') // in strings it is written as \n
+            fputs(indent, out);
+    }
     free(text);
-    json_decref(root);
-    return status;
+    json_decref(value);
+}
+
+static void json_begin(FILE *out, const struct run_data *data)
+{
+    fputs("{\n  \"name\": ", out);
+    json_put(out, json_string(data->run.name), "");
+    fputs(",\n  \"version\": ", out);
+    json_put(out, json_string(data->run.version), "");
+    fputs(",\n  \"searches\": [", out);
+}
+
+// ---- All of them ----
+
+// In the order in which they are put in their places: where result.json is, the others are.
+enum export { EXPORT_CORRIDORS, EXPORT_HISTORY, EXPORT_SUMMARY, EXPORT_JSON, EXPORT_COUNT };
+
+static const char *const export_names[EXPORT_COUNT] = {
+    [EXPORT_CORRIDORS] = "corridors.csv",
+    [EXPORT_HISTORY] = "history.csv",
+    [EXPORT_SUMMARY] = "summary.csv",
+    [EXPORT_JSON] = "result.json",
+};
+
+struct exports {
+    const struct run_data *data;
+    struct whole_file files[EXPORT_COUNT];
+    char **variables; // of the first search
+};
+
+static void put_search(struct exports *exports, uint32_t index,
+                       const struct run_data_search *search)
+{
+    FILE *json = exports->files[EXPORT_JSON].file, *summary = exports->files[EXPORT_SUMMARY].file;
+    fputs(index == 0 ? "\n    " : ",\n    ", json);
+    json_put(json, json_search(exports->data, search), "    ");
+    corridor_rows(exports->files[EXPORT_CORRIDORS].file, index, search);
+    history_rows(exports->files[EXPORT_HISTORY].file, index, search);
+    if (summary == NULL)
+        return;
+    if (index == 0) {
+        exports->variables = variable_names(&search->scenario);
+        summary_header(summary, exports->data, exports->variables);
+    }
+    summary_row(summary, search, exports->variables);
+}
+
+static enum status exports_begin(struct exports *exports, struct error *error)
+{
+    enum status status = STATUS_OK;
+    for (int i = 0; i < EXPORT_COUNT && status == STATUS_OK; i++) {
+        if (i == EXPORT_SUMMARY && !run_data_is_sweep(exports->data))
+            continue;
+        char *path = g_build_filename(exports->data->directory, export_names[i], NULL);
+        status = whole_file_begin(&exports->files[i], path, error);
+        g_free(path);
+    }
+    if (status != STATUS_OK)
+        return status;
+    json_begin(exports->files[EXPORT_JSON].file, exports->data);
+    fputs("search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N\n",
+          exports->files[EXPORT_CORRIDORS].file);
+    fputs("search,phase,step,samples,good,growth,log_volume\n",
+          exports->files[EXPORT_HISTORY].file);
+    return STATUS_OK;
 }
 
 enum status report_write(const char *directory, struct error *error)
 {
     struct run_data data;
-    enum status status = run_data_read(&data, directory, error);
+    enum status status = run_data_open(&data, directory, error);
+    if (status != STATUS_OK)
+        return status;
+    struct exports exports = {.data = &data};
+    status = exports_begin(&exports, error);
+    for (uint32_t i = 0; i < data.run.search_count && status == STATUS_OK; i++) {
+        struct run_data_search search;
+        status = run_data_load(&data, i, &search, error);
+        if (status == STATUS_OK)
+            put_search(&exports, i, &search);
+        run_data_release(&search);
+    }
     if (status == STATUS_OK)
-        status = write_csv(&data, directory, "corridors.csv",
-                           "search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,"
-                           "design_upper_N\n",
-                           corridor_rows, error);
-    if (status == STATUS_OK)
-        status =
-            write_csv(&data, directory, "history.csv",
-                      "search,phase,step,samples,good,growth,log_volume\n", history_rows, error);
-    if (status == STATUS_OK)
-        status = write_json(&data, directory, error);
+        fputs("\n  ]\n}\n", exports.files[EXPORT_JSON].file);
+    for (int i = 0; i < EXPORT_COUNT; i++)
+        status = whole_file_end(&exports.files[i], status, error);
+    g_strfreev(exports.variables);
     run_data_fini(&data);
     return status;
 }

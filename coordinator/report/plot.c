@@ -19,15 +19,18 @@ const char *report_format_name(enum report_format format)
 
 // ---- what is drawn ----
 
-static enum status choose_search(const struct run_data *data, const char *directory, uint32_t index,
-                                 const struct run_data_search **search, struct error *error)
+// Loads the one search of a run folder that is to be drawn.
+static enum status load_search(struct run_data *data, const char *directory, uint32_t index,
+                               struct run_data_search *search, struct error *error)
 {
-    if (index >= data->run.search_count)
-        return error_set(error, STATUS_INVALID,
-                         "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,
-                         index, data->run.search_count - 1);
-    *search = &data->searches[index];
-    return STATUS_OK;
+    enum status status = run_data_open(data, directory, error);
+    if (status == STATUS_OK && index >= data->run.search_count)
+        status = error_set(error, STATUS_INVALID,
+                           "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,
+                           index, data->run.search_count - 1);
+    if (status == STATUS_OK)
+        status = run_data_load(data, index, search, error);
+    return status;
 }
 
 static enum status check_comparable(const struct run_data_search *search,
@@ -136,23 +139,19 @@ static enum status draw_figure(struct figure *figure, const char *output, enum r
 
 enum status report_draw(const char *directory, const struct report_plot *plot, struct error *error)
 {
-    struct run_data data, compared = {0};
-    const struct run_data_search *search = NULL, *other = NULL;
-    enum status status = run_data_read(&data, directory, error);
-    if (status == STATUS_OK)
-        status = choose_search(&data, directory, plot->search, &search, error);
-    if (status == STATUS_OK && plot->compare != NULL) {
-        status = run_data_read(&compared, plot->compare, error);
-        if (status == STATUS_OK)
-            status = choose_search(&compared, plot->compare, 0, &other, error);
-        if (status == STATUS_OK)
-            status = check_comparable(search, other, plot, error);
-    }
+    struct run_data data = {0}, other_data = {0};
+    struct run_data_search search = {0}, compared = {0};
+    const struct run_data_search *other = plot->compare != NULL ? &compared : NULL;
+    enum status status = load_search(&data, directory, plot->search, &search, error);
+    if (status == STATUS_OK && other != NULL)
+        status = load_search(&other_data, plot->compare, 0, &compared, error);
+    if (status == STATUS_OK && other != NULL)
+        status = check_comparable(&search, other, plot, error);
     if (status == STATUS_OK) {
-        char *label = legend_label(search, other, directory);
-        char *other_label = other != NULL ? legend_label(other, search, plot->compare) : NULL;
+        char *label = legend_label(&search, other, directory);
+        char *other_label = other != NULL ? legend_label(other, &search, plot->compare) : NULL;
         char *output = output_path(directory, plot);
-        struct figure figure = {.search = search,
+        struct figure figure = {.search = &search,
                                 .other = other,
                                 .search_label = label,
                                 .other_label = other_label,
@@ -162,7 +161,9 @@ enum status report_draw(const char *directory, const struct report_plot *plot, s
         g_free(other_label);
         g_free(label);
     }
-    run_data_fini(&compared);
+    run_data_release(&compared);
+    run_data_release(&search);
+    run_data_fini(&other_data);
     run_data_fini(&data);
     return status;
 }

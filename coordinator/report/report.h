@@ -23,8 +23,10 @@ struct report_plot {
     const char *output; // file to write; NULL: corridors.FORMAT in the run folder
 };
 
-// Writes result.json, corridors.csv and history.csv into the run folder; each is whole or absent.
-// Of a search that is not finished they show the box that was sampled last, without a purity.
+// Writes result.json, corridors.csv, history.csv and, of a sweep, summary.csv into the run folder;
+// each is whole or absent. summary.csv has a row a search: the case, its value on each axis,
+// status, log_volume, purity, evaluations, seconds, digest, and both bounds of each corridor. Of a
+// search that is not finished they show the box that was sampled last, without a purity.
 //
 // Variables that are no spring's force stand in corridors.csv with their name as `spring`, without
 // direction and deformation, their bounds in their own unit; in result.json they have neither

@@ -92,6 +92,13 @@ static enum status conclude(struct run_data_search *search, const struct journal
     }
     search->status = journal_state_name(run->state);
     search->wall_ns = run->elapsed_ns;
+    if (run->search_count > 1) {
+        search->wall_ns = 0;                       // what the other cases took is not this one's
+        if (strcmp(record->status, "failed") == 0) // as journal_fail_search() has it
+            search->status = record->status;
+        else if (search->steps->len == 0)
+            search->status = "waiting";
+    }
     if (search->last_box.count > 0) {
         search->box = &search->last_box;
         search->log_volume = box_log_volume(search->box, &search->scenario.design_space);
@@ -99,57 +106,90 @@ static enum status conclude(struct run_data_search *search, const struct journal
     return STATUS_OK;
 }
 
-static enum status read_search(struct run_data_search *search, struct journal *journal,
-                               uint32_t index, const struct journal_run *run, struct error *error)
+static enum status load(const struct run_data *data, uint32_t index, struct run_data_search *search,
+                        struct error *error)
 {
+    struct journal *journal = data->journal;
     search->steps = g_array_new(FALSE, TRUE, sizeof(struct run_step));
     enum status status = journal_read_search(journal, index, &search->record, error);
+    if (status == STATUS_OK)
+        status = journal_read_values(journal, index, &search->values, error);
     if (status != STATUS_OK)
         return status;
+    if (g_strv_length(search->values) != g_strv_length(data->axes))
+        return error_set(error, STATUS_IO, "it has not a value for each axis");
     status = scenario_read_text(&search->scenario, "scenario", search->record.text,
                                 search->record.text_size, NULL, 0, error);
     if (status == STATUS_OK)
         status = journal_read_steps(journal, index, take_step, search, error);
     if (status == STATUS_OK)
-        status = conclude(search, run, error);
+        status = conclude(search, &data->run, error);
+    return status;
+}
+
+enum status run_data_load(const struct run_data *data, uint32_t index,
+                          struct run_data_search *search, struct error *error)
+{
+    struct error reason = {0}; // the caller may not want to know, but contexts are added to it
+    *search = (struct run_data_search){0};
+    if (load(data, index, search, &reason) == STATUS_OK)
+        return STATUS_OK;
+    run_data_release(search);
+    error_wrap(&reason, "search %" PRIu32, index);
+    if (strstr(reason.text, "run.db") == NULL)
+        error_wrap(&reason, "%s/run.db", data->directory);
+    return error_set(error, STATUS_IO, "%s", reason.text);
+}
+
+void run_data_release(struct run_data_search *search)
+{
+    journal_search_fini(&search->record);
+    scenario_fini(&search->scenario);
+    box_fini(&search->last_box);
+    g_strfreev(search->values);
+    if (search->steps != NULL)
+        g_array_unref(search->steps);
+    *search = (struct run_data_search){0};
+}
+
+enum status run_data_open(struct run_data *data, const char *directory, struct error *error)
+{
+    *data = (struct run_data){.directory = g_strdup(directory)};
+    enum status status = journal_open(&data->journal, directory, JOURNAL_READ, error);
+    if (status == STATUS_OK)
+        status = journal_read_run(data->journal, &data->run, error);
+    if (status == STATUS_OK)
+        status = journal_read_axes(data->journal, &data->axes, error);
     if (status != STATUS_OK)
-        error_wrap(error, "search %" PRIu32, index);
-    return status != STATUS_OK ? STATUS_IO : STATUS_OK;
+        run_data_fini(data);
+    return status;
 }
 
 enum status run_data_read(struct run_data *data, const char *directory, struct error *error)
 {
-    *data = (struct run_data){0};
-    struct error reason = {0}; // the caller may not want to know, but contexts are added to it
-    struct journal *journal;
-    enum status status = journal_open(&journal, directory, JOURNAL_READ, &reason);
-    if (status == STATUS_OK)
-        status = journal_read_run(journal, &data->run, &reason);
-    if (status == STATUS_OK) {
-        data->searches = g_new0(struct run_data_search, data->run.search_count);
-        for (uint32_t i = 0; i < data->run.search_count && status == STATUS_OK; i++)
-            status = read_search(&data->searches[i], journal, i, &data->run, &reason);
-        if (status != STATUS_OK && strstr(reason.text, "run.db") == NULL)
-            error_wrap(&reason, "%s/run.db", directory);
-    }
-    journal_close(journal);
-    if (status != STATUS_OK) {
-        error_set(error, status, "%s", reason.text);
+    enum status status = run_data_open(data, directory, error);
+    if (status != STATUS_OK)
+        return status;
+    data->searches = g_new0(struct run_data_search, data->run.search_count);
+    for (uint32_t i = 0; i < data->run.search_count && status == STATUS_OK; i++)
+        status = run_data_load(data, i, &data->searches[i], error);
+    if (status != STATUS_OK)
         run_data_fini(data);
-    }
     return status;
+}
+
+bool run_data_is_sweep(const struct run_data *data)
+{
+    return data->axes[0] != NULL || data->run.search_count > 1;
 }
 
 void run_data_fini(struct run_data *data)
 {
-    for (uint32_t i = 0; data->searches != NULL && i < data->run.search_count; i++) {
-        struct run_data_search *search = &data->searches[i];
-        journal_search_fini(&search->record);
-        scenario_fini(&search->scenario);
-        box_fini(&search->last_box);
-        if (search->steps != NULL)
-            g_array_unref(search->steps);
-    }
+    for (uint32_t i = 0; data->searches != NULL && i < data->run.search_count; i++)
+        run_data_release(&data->searches[i]);
     g_free(data->searches);
+    g_strfreev(data->axes);
+    journal_close(data->journal);
+    g_free(data->directory);
     *data = (struct run_data){0};
 }

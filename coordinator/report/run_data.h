@@ -22,9 +22,11 @@ struct run_step {
 struct run_data_search {
     struct scenario scenario;
     struct journal_search record; // its box is empty until it is finished
+    char **values;                // of its case on the run's axes, ends with NULL
     GArray *steps;                // of struct run_step
     const char *name;             // of its case, else of its scenario
-    const char *status;           // search_status_name(), or how the run stands while unfinished
+    const char *status;           // search_status_name(); while unfinished how the run stands, or
+                                  // "waiting" or "failed" in a sweep
     const struct box *box; // the corridors: of the result, else of the last step's samples; NULL
                            // before the first step and where no good design was found
     double log_volume;     // of the box
@@ -41,13 +43,29 @@ struct run_data_search {
 
 struct run_data {
     struct journal_run run;
-    struct run_data_search *searches; // (run.search_count)
+    char **axes;                      // paths that change from case to case, ends with NULL
+    struct run_data_search *searches; // (run.search_count), or NULL: they are loaded one by one
+    struct journal *journal;          // open until run_data_fini()
+    char *directory;
 };
 
 // Reads a run folder. On failure the struct is zeroed.
 // Errors: those of journal_open(); STATUS_IO (run.db is damaged or contradicts its scenario).
 enum status run_data_read(struct run_data *data, const char *directory,
                           struct error *error) MUST_USE;
+
+// The same without the searches, of which there may be a hundred thousand.
+enum status run_data_open(struct run_data *data, const char *directory,
+                          struct error *error) MUST_USE;
+
+// Loads one search (index < run.search_count), to be released with run_data_release(). On failure
+// the struct is zeroed. Errors: STATUS_IO.
+enum status run_data_load(const struct run_data *data, uint32_t index,
+                          struct run_data_search *search, struct error *error) MUST_USE;
+void run_data_release(struct run_data_search *search);
+
+// Whether the run was begun as a sweep: its searches are cases then.
+bool run_data_is_sweep(const struct run_data *data);
 
 // Releases what it owns. A zeroed struct is fine.
 void run_data_fini(struct run_data *data);

@@ -194,11 +194,11 @@ static void print_search(const struct run_data_search *search, FILE *out)
 // ---- a sweep ----
 
 // One line a search: their tables would bury each other.
-static void print_line(const struct run_data_search *search, uint32_t index, FILE *out)
+static void print_line(const struct run_data_search *search, uint32_t index, int width, FILE *out)
 {
     char *name = report_name_plain(search->name), *status = report_name_plain(search->status);
     char evaluations[NUMBER_SIZE];
-    fprintf(out, "%5" PRIu32 " %-24.24s %-14.14s", index, name, status);
+    fprintf(out, "%5" PRIu32 " %-*.*s %-14.14s", index, width, width, name, status);
     if (search->box != NULL)
         fprintf(out, " %9.3f", search->log_volume);
     else
@@ -212,15 +212,36 @@ static void print_line(const struct run_data_search *search, uint32_t index, FIL
     g_free(status);
 }
 
-static void print_lines(const struct run_data *data, FILE *out)
+enum { LINES_MAX = 60, LINES_END = 10 }; // of a long sweep the first ones and the last are shown
+
+// The case's name is worth more room than a terminal's width leaves it; a line that wraps is still
+// a line.
+static enum status print_lines(const struct run_data *data, FILE *out, struct error *error)
 {
     char *name = report_name_plain(data->run.name);
-    fprintf(out, "%s, %" PRIu32 " searches\n\n", name, data->run.search_count);
-    fprintf(out, "%5s %-24s %-14s %9s %9s %12s\n", "", "search", "status", "log-vol.",
-            "purity>=", "designs");
-    for (uint32_t i = 0; i < data->run.search_count; i++)
-        print_line(&data->searches[i], i, out);
+    const uint32_t count = data->run.search_count;
+    int width = 24;
+    enum status status = STATUS_OK;
+    fprintf(out, "%s, %" PRIu32 " searches\n\n", name, count);
+    for (uint32_t i = 0; i < count && status == STATUS_OK; i++) {
+        if (count > LINES_MAX && i == LINES_MAX - LINES_END) {
+            i = count - LINES_END;
+            fprintf(out, "%5s ... all of them in summary.csv\n", "");
+        }
+        struct run_data_search search;
+        status = run_data_load(data, i, &search, error);
+        if (status != STATUS_OK)
+            break;
+        if (i == 0) {
+            width = (int)MAX(24, MIN(60, strlen(search.name) + 2));
+            fprintf(out, "%5s %-*s %-14s %9s %9s %12s\n", "", width, "search", "status", "log-vol.",
+                    "purity>=", "designs");
+        }
+        print_line(&search, i, width, out);
+        run_data_release(&search);
+    }
     g_free(name);
+    return status;
 }
 
 // ---- all of it ----
@@ -245,15 +266,23 @@ static void print_files(const char *directory, FILE *out)
 enum status report_print(const char *directory, FILE *out, struct error *error)
 {
     struct run_data data;
-    enum status status = run_data_read(&data, directory, error);
+    enum status status = run_data_open(&data, directory, error);
     if (status != STATUS_OK)
         return status;
-    if (data.run.search_count == 1)
-        print_search(&data.searches[0], out);
-    else
-        print_lines(&data, out);
-    print_files(directory, out);
+    if (run_data_is_sweep(&data)) {
+        status = print_lines(&data, out, error);
+    } else {
+        struct run_data_search search;
+        status = run_data_load(&data, 0, &search, error);
+        if (status == STATUS_OK)
+            print_search(&search, out);
+        run_data_release(&search);
+    }
+    if (status == STATUS_OK)
+        print_files(directory, out);
     run_data_fini(&data);
+    if (status != STATUS_OK)
+        return status;
     if (fflush(out) != 0 || ferror(out))
         return error_set(error, STATUS_IO, "the report could not be printed");
     return STATUS_OK;

@@ -5,9 +5,26 @@
 #include "common/base/error.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 // Writes `size` bytes as the file `path`, replacing one that is there. Errors: STATUS_IO.
 enum status whole_file_write(const char *path, const void *bytes, size_t size,
                              struct error *error) MUST_USE;
+
+// A file that is written piece by piece.
+struct whole_file {
+    FILE *file; // to be written to, NULL before begin and after end
+    char *path;
+    char *beside; // what is written until it is whole
+};
+
+// Errors: STATUS_IO; the struct is zeroed then.
+enum status whole_file_begin(struct whole_file *whole, const char *path,
+                             struct error *error) MUST_USE;
+
+// Puts the file in its place if `status` is STATUS_OK and all was written; else removes it. Returns
+// `status`, or STATUS_IO. A zeroed struct is fine.
+enum status whole_file_end(struct whole_file *whole, enum status status,
+                           struct error *error) MUST_USE;
 
 #endif

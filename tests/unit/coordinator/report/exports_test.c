@@ -195,6 +195,33 @@ static void searches_of_a_sweep_are_told_apart(void **state)
     g_free(table);
 }
 
+// The rows of summary.csv: what each case is, how it ended, and its corridors; what is not known is
+// an empty cell.
+static void summary_has_a_row_a_case(void **state)
+{
+    sample_sweep(*state);
+    write_reports(*state);
+    char *csv = file_text(*state, "summary.csv");
+    char **lines = g_strsplit(csv, "\n", -1);
+    assert_int_equal(g_strv_length(lines), 5);
+    assert_true(g_str_has_prefix(
+        lines[0], "case,vehicle.mass,springs.0.force_x.upper,status,log_volume,purity_estimate,"
+                  "purity_lower95,evaluations,wall_s,digest,front.force_x[0].lower,"
+                  "front.force_x[0].upper,"));
+    assert_true(g_str_has_prefix(
+        lines[1], "\"mass=1,upper=#1\",1,\"[1, 2]\",done,-4.5,1,0.99709,1016,0.25,"));
+    assert_contains(lines[1], ",15000,45000,");
+    assert_true(
+        g_str_has_prefix(lines[2], "\"mass=2,upper=#1\",2,\"[1, 2]\",no_good_design,,,,8,"));
+    assert_true(g_str_has_suffix(lines[2], ",,,,,,,,,,,,,,,,"));
+    assert_true(g_str_has_prefix(lines[3], "\"mass=3,upper=#1\",3,\"[1, 2]\",waiting,,,,0,0,,,"));
+    g_strfreev(lines);
+    g_free(csv);
+    char *json = file_text(*state, "result.json");
+    assert_contains(json, "\"springs.0.force_x.upper\": \"[1, 2]\"");
+    g_free(json);
+}
+
 // A file that cannot be replaced is an error, and what stood there stays as it was.
 static void export_that_fails_leaves_the_old_one(void **state)
 {
@@ -278,6 +305,7 @@ int main(void)
         IN_FOLDER(untouched_run_has_no_corridors),
         IN_FOLDER(no_good_design_names_the_obstacle),
         IN_FOLDER(searches_of_a_sweep_are_told_apart),
+        IN_FOLDER(summary_has_a_row_a_case),
         IN_FOLDER(export_that_fails_leaves_the_old_one),
         IN_FOLDER(table_is_golden),
         IN_FOLDER(contradicting_journal_is_refused),

@@ -164,6 +164,53 @@ static inline void sample_run(const char *folder, const char *yaml, uint32_t sea
     scenario_fini(&scenario);
 }
 
+// The cases of a sweep, one after the other.
+struct sample_cases {
+    const struct scenario *scenario;
+    uint32_t next;
+};
+
+static inline enum status sample_next_case(void *user, struct journal_search *search, bool *more,
+                                           struct error *error)
+{
+    (void)error;
+    static const char *values[3][2] = {{"1", "[1, 2]"}, {"2", "[1, 2]"}, {"3", "[1, 2]"}};
+    struct sample_cases *cases = user;
+    const uint32_t index = cases->next;
+    *more = index < 3;
+    if (!*more)
+        return STATUS_OK;
+    *search = (struct journal_search){.index = cases->next++,
+                                      .values = values[index],
+                                      .text = cases->scenario->text,
+                                      .text_size = cases->scenario->text_size,
+                                      .scenario = cases->scenario->digest,
+                                      .seed = 1};
+    g_snprintf(search->name, sizeof search->name, "mass=%s,upper=#1", values[index][0]);
+    return STATUS_OK;
+}
+
+// A sweep of three cases: one done, one without a good design, one that waits.
+static inline void sample_sweep(const char *folder)
+{
+    static const char *const axes[] = {"vehicle.mass", "springs.0.force_x.upper"};
+    struct scenario scenario;
+    assert_int_equal(scenario_read_text(&scenario, "sample", SAMPLE_SCENARIO,
+                                        strlen(SAMPLE_SCENARIO), NULL, 0, NULL),
+                     STATUS_OK);
+    struct sample_cases cases = {.scenario = &scenario};
+    struct journal_run run = {.name = "masses", .version = "1.2.3"};
+    struct journal *journal;
+    assert_int_equal(
+        journal_create_from(&journal, folder, &run, axes, 2, sample_next_case, &cases, NULL),
+        STATUS_OK);
+    sample_fill(journal, 0, SAMPLE_DONE, &scenario.design_space);
+    sample_fill(journal, 1, SAMPLE_NO_GOOD_DESIGN, &scenario.design_space);
+    assert_int_equal(journal_state(journal, JOURNAL_STATE_INTERRUPTED, 1, NULL), STATUS_OK);
+    journal_close(journal);
+    scenario_fini(&scenario);
+}
+
 // The text of a file of the folder. The caller frees it.
 static inline char *file_text(const char *folder, const char *name)
 {
