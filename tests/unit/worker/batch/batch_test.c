@@ -223,6 +223,43 @@ static void fingerprint_is_the_same_each_time(void **state)
     assert_true(digest_equal(&first, &second));
 }
 
+// The verdict over all cases is that of the worst one, and its constraint says which one that is.
+static void cases_are_good_only_together(void **state)
+{
+    (void)state;
+    static const char *const cases[] = {
+        "cases=[{name: fast, vehicle.speed: 19}, {name: rotating, response: rotating}]"};
+    struct scenario joint;
+    struct error error = {0};
+    assert_int_equal(scenario_read_text(&joint, "cases", text, strlen(text), cases, 1, &error),
+                     STATUS_OK);
+    static struct verdict together[SAMPLES], alone[2][SAMPLES];
+    const struct batch batch = {.sampling = {.seed = 3, .samples = SAMPLES}, .count = SAMPLES};
+    struct model *of_all = model_create(&joint);
+    batch_evaluate(&joint, of_all, &joint.design_space, &batch, 2, together);
+    for (uint32_t i = 0; i < 2; i++) {
+        struct model *of_one = model_create(&joint.cases[i]);
+        batch_evaluate(&joint.cases[i], of_one, &joint.design_space, &batch, 1, alone[i]);
+        model_free(of_one);
+    }
+    uint32_t good = 0, worst[2] = {0};
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        const uint32_t of = alone[1][i].violation > alone[0][i].violation;
+        assert_int_equal(together[i].violation, alone[of][i].violation);
+        if (together[i].violation == VERDICT_GOOD) {
+            good++;
+            continue;
+        }
+        worst[of]++;
+        assert_int_equal(together[i].constraint,
+                         alone[of][i].constraint + (of == 1 ? joint.cases[0].constraint_count : 0));
+    }
+    // Each case stands in the way of some designs, or this would show nothing.
+    assert_true(good > 0 && worst[0] > 0 && worst[1] > 0);
+    model_free(of_all);
+    scenario_fini(&joint);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +272,7 @@ int main(void)
         cmocka_unit_test(pieces_of_a_step_make_the_whole),
         cmocka_unit_test(verdicts_are_those_of_each_sample),
         cmocka_unit_test(fingerprint_is_the_same_each_time),
+        cmocka_unit_test(cases_are_good_only_together),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
