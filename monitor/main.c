@@ -1,26 +1,30 @@
-// sobox-monitor: watches runs and workers through LCM. It only listens.
+// sobox-monitor: watches runs and workers through LCM, for a terminal and for browsers. It only
+// listens.
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
-#include "common/wire/key.h"
-#include "common/wire/source.h"
-#include "common/wire/wire.h"
 #include "monitor/feed/feed.h"
+#include "monitor/http/http.h"
 #include "monitor/terminal/lines.h"
+#include "monitor/texts/texts.h"
+#include "monitor/watch/watch.h"
 
 #include <glib-unix.h>
 #include <glib.h>
+#include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <unistd.h>
 
 static const char program_summary[] =
-    "Shows the runs and workers heard on an LCM network: a line a run and a second. It only\n"
-    "listens: any number of monitors may be started and stopped at any time.";
+    "Shows the runs and workers heard on an LCM network: a line a run and a second, and with\n"
+    "--http a page for browsers. It only listens: any number of monitors may be started and\n"
+    "stopped at any time.";
 
 static const char program_description[] =
     "Examples:\n"
     "  sobox-monitor --url 'udpm://239.255.76.67:7667?ttl=1'\n"
+    "  sobox-monitor --http 127.0.0.1:8765\n"
     "  sobox-monitor --json | jq .runs[0].searches[0].log_volume\n"
     "\n"
     "Without --url the environment variable SOBOX_URL names the network, and without that it is\n"
@@ -30,19 +34,26 @@ static const char program_description[] =
 
 struct options {
     char *url;
+    char *http;
     char *key_file;
     gboolean json;
+    gboolean quiet;
     gboolean version;
 };
 
 struct monitor {
     struct options options;
     struct feed feed;
-    struct key *key;
-    struct wire *wire;
+    struct texts *texts;
+    struct watch *watch;
+    struct picture_view view;
+    char instance[17];
+    struct http *http;
     GMainLoop *loop;
     gboolean silence_said;
 };
+
+// ---- Options ----
 
 static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
@@ -51,8 +62,11 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     const GOptionEntry entries[] = {
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url, "The LCM network to watch", "LCM_URL"},
         {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
-         "Open messages with the key in this file, where the runs have one", "FILE"},
+         "The key that the network's messages are sealed with, in this file", "FILE"},
+        {"http", 'w', 0, G_OPTION_ARG_STRING, &options->http,
+         "Serve a page for browsers, for instance at 127.0.0.1:8765", "ADDRESS:PORT"},
         {"json", 'j', 0, G_OPTION_ARG_NONE, &options->json, "One JSON object a second", NULL},
+        {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print nothing but errors", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
@@ -76,41 +90,17 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     return status;
 }
 
-static void heard(void *user, enum wire_kind kind, const void *message)
+static void options_free(struct options *options)
 {
-    struct monitor *monitor = user;
-    const int64_t now_ns = clock_monotonic_ns();
-    if (kind == WIRE_RUN_STATUS)
-        feed_run_heard(&monitor->feed, message, now_ns);
-    else if (kind == WIRE_SEARCH_STATUS)
-        feed_search_heard(&monitor->feed, message, now_ns);
-    else if (kind == WIRE_WORKER_STATUS)
-        feed_worker_heard(&monitor->feed, message, now_ns);
+    g_free(options->url);
+    g_free(options->http);
+    g_free(options->key_file);
 }
 
-static void count_own(struct monitor *monitor, int64_t now_ns)
-{
-    struct wire_counters counters;
-    wire_counters(monitor->wire, &counters);
-    feed_own_counted(&monitor->feed,
-                     &(struct feed_own){
-                         .received = counters.received,
-                         .rejected = counters.rejected,
-                         .foreign = counters.foreign,
-                         .unopened = counters.unopened,
-                         .lost = counters.lost,
-                         .dropped = counters.dropped,
-                         .buffer_size = counters.buffer_size,
-                     },
-                     now_ns);
-}
+// ---- Showing ----
 
-static gboolean show(gpointer user)
+static void show_lines(struct monitor *monitor, int64_t now_ns)
 {
-    struct monitor *monitor = user;
-    const int64_t now_ns = clock_monotonic_ns();
-    count_own(monitor, now_ns);
-    feed_tick(&monitor->feed, now_ns);
     if (monitor->options.json) {
         lines_print_json(&monitor->feed, now_ns, (double)clock_calendar_ns() / 1e9, stdout);
     } else if (lines_print(&monitor->feed, now_ns - CLOCK_SECOND_NS, now_ns, stdout) > 0) {
@@ -121,8 +111,50 @@ static gboolean show(gpointer user)
                monitor->feed.workers.entries->len);
     }
     fflush(stdout);
+}
+
+static gboolean second(gpointer user)
+{
+    struct monitor *monitor = user;
+    const int64_t now_ns = clock_monotonic_ns();
+    watch_count(monitor->watch, now_ns);
+    feed_tick(&monitor->feed, now_ns);
+    if (!monitor->options.quiet)
+        show_lines(monitor, now_ns);
     return G_SOURCE_CONTINUE;
 }
+
+static void want(void *user, uint64_t run, const struct digest *scenario)
+{
+    watch_want(((struct monitor *)user)->watch, run, scenario);
+}
+
+static enum status serve(struct monitor *monitor, struct error *error)
+{
+    uint64_t instance;
+    randombytes_buf(&instance, sizeof instance);
+    g_snprintf(monitor->instance, sizeof monitor->instance, "%016" PRIx64, instance);
+    monitor->view = (struct picture_view){
+        .feed = &monitor->feed,
+        .texts = monitor->texts,
+        .source = monitor->options.url,
+        .instance = monitor->instance,
+        .start_ns = clock_monotonic_ns(),
+        .want = want,
+        .user = monitor,
+    };
+    const enum status status =
+        http_start(&monitor->http, monitor->options.http, &monitor->view, error);
+    if (status != STATUS_OK)
+        return status;
+    log_note("the page is at %s", http_url(monitor->http));
+    if (http_leaves_machine(monitor->http))
+        log_note("everybody who reaches this machine can watch: --http 127.0.0.1:PORT keeps the "
+                 "page here");
+    return STATUS_OK;
+}
+
+// ---- Life ----
 
 // Whoever reads the lines has gone: so does the monitor, also while it has nothing to say.
 static gboolean unread(gint descriptor, GIOCondition condition, gpointer user)
@@ -139,32 +171,30 @@ static gboolean stop(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static enum status watch(struct monitor *monitor, struct error *error)
+static enum status run(struct monitor *monitor, struct error *error)
 {
-    struct wire_settings settings = wire_settings_default();
-    settings.url = monitor->options.url;
-    uint64_t sender = 0;
-    randombytes_buf(&sender, sizeof sender);
+    struct key *key = NULL;
     enum status status = STATUS_OK;
     if (monitor->options.key_file != NULL)
-        status = key_read(&monitor->key, monitor->options.key_file, error);
-    settings.key = monitor->key;
+        status = key_read(&key, monitor->options.key_file, error);
     if (status == STATUS_OK)
-        status = wire_open(&monitor->wire, &settings, sender | 1, error);
-    static const enum wire_kind kinds[] = {WIRE_RUN_STATUS, WIRE_SEARCH_STATUS, WIRE_WORKER_STATUS};
-    for (size_t i = 0; status == STATUS_OK && i < G_N_ELEMENTS(kinds); i++)
-        status = wire_subscribe(monitor->wire, kinds[i], heard, monitor, error);
-    if (status != STATUS_OK)
-        return status;
-    wire_source_attach(monitor->wire);
-    g_unix_signal_add(SIGINT, stop, monitor);
-    g_unix_signal_add(SIGTERM, stop, monitor);
-    g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
-    g_timeout_add(1000, show, monitor);
-    g_main_loop_run(monitor->loop);
-    show(monitor);
-    wire_source_detach(monitor->wire);
-    return STATUS_OK;
+        status = watch_start(&monitor->watch, monitor->options.url, key, &monitor->feed,
+                             monitor->texts, error);
+    if (status == STATUS_OK && monitor->options.http != NULL)
+        status = serve(monitor, error);
+    if (status == STATUS_OK) {
+        g_unix_signal_add(SIGINT, stop, monitor);
+        g_unix_signal_add(SIGTERM, stop, monitor);
+        if (!monitor->options.quiet)
+            g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
+        g_timeout_add(1000, second, monitor);
+        g_main_loop_run(monitor->loop);
+        second(monitor);
+    }
+    http_stop(monitor->http);
+    watch_stop(monitor->watch);
+    key_free(key);
+    return status;
 }
 
 int main(int argc, char **argv)
@@ -180,16 +210,15 @@ int main(int argc, char **argv)
         status = error_set(&error, STATUS_FAILED, "libsodium cannot start");
     } else if (status == STATUS_OK) {
         feed_init(&monitor.feed);
+        monitor.texts = texts_create();
         monitor.loop = g_main_loop_new(NULL, FALSE);
-        status = watch(&monitor, &error);
-        wire_close(monitor.wire);
-        key_free(monitor.key);
+        status = run(&monitor, &error);
         g_main_loop_unref(monitor.loop);
+        texts_free(monitor.texts);
         feed_fini(&monitor.feed);
     }
     if (status != STATUS_OK)
         log_failure(&error);
-    g_free(monitor.options.url);
-    g_free(monitor.options.key_file);
+    options_free(&monitor.options);
     return (int)status_exit(status);
 }
