@@ -3,6 +3,8 @@
 #include <assert.h>
 #include <math.h>
 
+const double explore_gain = 0.16;
+
 // A grown box with more good samples than this still has far to go.
 static const double explore_share_grown = 0.9;
 

@@ -39,6 +39,9 @@ struct explore_step {
     int threads;
 };
 
+// How fast the sides move against each other while exploring; consolidation slows down from there.
+extern const double explore_gain;
+
 // Starts from a good design; start[i * stride] is its variable i.
 void explore_init(struct explore *explore, const struct box *space, const double *start,
                   size_t stride);

@@ -1,8 +1,9 @@
 #include "coordinator/search/search.h"
 
 #include "coordinator/search/certificate.h"
-#include "coordinator/search/explore.h"
+#include "coordinator/search/consolidate.h"
 #include "coordinator/search/seek.h"
+#include "coordinator/search/tournament.h"
 
 #include <assert.h>
 #include <glib.h>
@@ -10,34 +11,16 @@
 #include <string.h>
 
 enum {
-    SEARCH_STARTS = 4,        // boxes that are grown at first, one from each start
-    SEARCH_START_STEPS = 25,  // of exploration for each start beyond the first
     SEARCH_CHUNK = 1024,      // samples made at once when a step is gone through
     SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
     SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
-    SEARCH_TRIAL_STEPS = 5,   // that a box cut out of the known bad samples is put to
-    SEARCH_GROW_STEPS = 5,    // of each box between two decisions of the tournament
 };
 
-// The good share that exploration aims at, as a bad share.
+// The bad share that exploration aims at: enough bad samples to shape the box by.
 static const double search_explore_bad = 0.3;
 
-// How fast sides move against each other while exploring. The gain falls to a ninth of this while
-// consolidating: first the box must follow the shape of the good region, then the noise must
-// average out.
-static const double search_gain = 0.16;
-static const double search_gain_fall = 8;
-
-// How fast the volume follows the good share: in exploration it has far to go; in consolidation the
-// few bad samples of a step are noise, and the gain falls to a fifth.
+// How fast the volume follows the good share while exploring: it has far to go.
 static const double search_explore_volume_gain = 1.2;
-static const double search_volume_gain = 0.2;
-static const double search_volume_gain_fall = 4;
-
-// The consolidation reaches its final share after the first of these parts of its steps; from the
-// second on, when the box has followed, its boxes are averaged.
-static const double search_settle_after = 0.7;
-static const double search_average_after = 0.8;
 
 // The bad share to consolidate to, as a part of what the next certificate allows: so far below it
 // that the certificate passes with near certainty, and not further.
@@ -67,28 +50,9 @@ struct search {
     struct seek seek;
     uint64_t blocked[256]; // bad samples of the seek by worst constraint
 
-    // Explore: a tournament. Each box left grows for a number of steps, then the better half goes
-    // on, until one is left.
-    struct explore explores[SEARCH_STARTS];
-    uint32_t left[SEARCH_STARTS]; // indexes of the boxes that are in the tournament
-    uint32_t left_count;
-    uint32_t turn;       // place in `left` of the box whose step it is
-    uint32_t turn_steps; // steps it has left in this round
-    uint32_t explore_steps;
-    uint32_t growing_steps; // of all boxes together; then those that have grown are balanced
-
-    // Consolidate.
-    uint32_t consolidate_steps; // of this consolidation, finished
-    uint32_t consolidate_count; // of this consolidation, in all
-    double bad_from;            // bad share it starts from
-    double bad_to;              // and ends at
-    struct box explored;        // what exploration ended with: about 70 % good
-    struct box average;         // of the boxes since it settled
-    uint32_t average_count;     // of those boxes
-    uint32_t trial_steps;       // left of the trial of a box without known bad samples
-    uint64_t trial_bad;         // bad samples in it so far
-    struct box balanced;        // to go back to when it fails
-    uint32_t samples;           // a step
+    struct tournament tournament;
+    struct consolidate consolidate;
+    uint32_t samples; // a step of consolidation
 
     struct certificate certificate;
 
@@ -125,18 +89,18 @@ const char *search_status_name(enum search_status status)
     return names[status];
 }
 
-// The box that is being worked on.
+// The box that is being worked on; there is one once exploration has begun.
 static struct explore *current(struct search *search)
 {
-    return &search->explores[search->left[search->turn]];
+    return tournament_current(&search->tournament);
 }
 
 // The box of the free variables that stands for the search as it is: until there is one, what is
 // being sampled; if there will be none, the least violating design alone.
-static const struct box *standing(const struct search *search)
+static const struct box *standing(struct search *search)
 {
-    return search->left_count == 0 ? &search->seek.box
-                                   : &search->explores[search->left[search->turn]].box;
+    const struct explore *explore = current(search);
+    return explore == NULL ? &search->seek.box : &explore->box;
 }
 
 // Puts a box of the free variables into one of all variables.
@@ -302,124 +266,24 @@ static double bad_share_wanted(const struct search *search)
     return share;
 }
 
-// Trims `grown` by all known bad samples; returns whether the result is larger than `best`, which
-// it then replaces.
-static bool cut_pure(struct search *search, const struct box *grown, struct box *best)
-{
-    struct trim_options options = trim_options_default();
-    options.anchors = 4;
-    options.threads = search->threads;
-    struct box pure;
-    box_init(&pure, grown->count);
-    bool larger =
-        trim(grown, &current(search)->box, &search->good, &search->archive, &options, &pure);
-    larger =
-        larger && volume_above(volume_of(&pure, &search->space), volume_of(best, &search->space));
-    if (larger)
-        box_assign(best, &pure);
-    box_fini(&pure);
-    return larger;
-}
-
-// Cuts a box without any known bad sample out of what exploration found, and one around the box as
-// it stands. If one is larger than that it is put to trial. Where bad designs fill a corner
-// to the brim one cut is worth more than sides in balance, and in few dimensions the known bad
-// samples say exactly how far a side can go. In many dimensions such a box finds the gaps between
-// the samples, which the trial's fresh ones show.
-static void start_trial(struct search *search)
-{
-    static const struct growth little = {.rate = 0.05};
-    struct explore *explore = current(search);
-    struct box grown;
-    struct box best;
-    box_init(&grown, search->space.count);
-    box_init(&best, search->space.count);
-    box_assign(&best, &explore->box);
-    growth_apply(&little, &explore->box, &search->space, &grown);
-    bool found = cut_pure(search, &grown, &best);
-    found = cut_pure(search, &search->explored, &best) || found;
-    if (found) {
-        box_assign(&search->balanced, &explore->box);
-        explore_move(explore, &best);
-        search->trial_steps = SEARCH_TRIAL_STEPS;
-        search->trial_bad = 0;
-    }
-    box_fini(&best);
-    box_fini(&grown);
-}
-
-// Counts a step of the trial and decides after the last one.
-static void go_on_with_trial(struct search *search)
-{
-    const uint32_t samples = search->request.sampling.samples;
-    search->trial_bad += samples - search->good_count;
-    if (--search->trial_steps > 0)
-        return;
-    const double expected = search->bad_to * samples * SEARCH_TRIAL_STEPS;
-    if (search->trial_bad > expected)
-        explore_move(current(search), &search->balanced);
-}
-
 static void start_consolidate(struct search *search, uint32_t steps, double bad_from)
 {
     search->phase = SEARCH_PHASE_CONSOLIDATE;
-    search->consolidate_steps = 0;
-    search->trial_steps = 0;
-    search->average_count = 0;
-    search->consolidate_count = steps;
-    search->bad_from = bad_from;
-    search->bad_to = bad_share_wanted(search);
-    explore_settle(current(search));
-    box_assign(&search->explored, &current(search)->box);
+    consolidate_start(&search->consolidate, current(search), steps, bad_from,
+                      bad_share_wanted(search));
     if (steps == 0)
         start_certify(search);
 }
 
-// The bad share to aim at in the next step: its inverse fourth root rises evenly, which is nearly
-// an even fall on a logarithmic scale and needs only what every machine rounds the same.
-static double bad_share_now(const struct search *search)
-{
-    const double way =
-        (search->consolidate_steps + 1) / (search_settle_after * search->consolidate_count);
-    if (way >= 1 || search->bad_from <= search->bad_to)
-        return search->bad_to;
-    const double root = 1 + way * (sqrt(sqrt(search->bad_from / search->bad_to)) - 1);
-    return search->bad_from / (root * root * root * root);
-}
-
-// The number of steps that each box in the tournament grows until the next decision.
-static uint32_t round_steps(const struct search *search)
-{
-    const uint32_t most = search->scenario->search.exploration_steps;
-    const uint32_t fair = most / (4 * search->left_count);
-    // The last decision, between two, is taken after they have begun to balance.
-    const uint32_t wanted = search->left_count == 2 ? 2 * SEARCH_GROW_STEPS : SEARCH_GROW_STEPS;
-    return fair < 1 ? 1 : fair < wanted ? fair : wanted;
-}
-
-// More starts where there are steps to spend on them, but never the middle of the good designs
-// alone: it may be bad.
-static uint32_t start_count(const struct search *search)
-{
-    const uint32_t count = 1 + search->scenario->search.exploration_steps / SEARCH_START_STEPS;
-    return count < 2 ? 2 : count < SEARCH_STARTS ? count : SEARCH_STARTS;
-}
-
 static void start_explore(struct search *search)
 {
+    const uint32_t steps = search->scenario->search.exploration_steps;
     struct cloud starts;
     cloud_init(&starts, search->space.count);
-    seek_starts(&search->seek, start_count(search), &starts);
-    search->left_count = starts.count;
-    for (uint32_t i = 0; i < starts.count; i++) {
-        search->left[i] = i;
-        explore_init(&search->explores[i], &search->space, starts.values + i, starts.capacity);
-    }
+    seek_starts(&search->seek, tournament_starts(steps), &starts);
+    tournament_start(&search->tournament, &search->space, &starts, steps);
     cloud_fini(&starts);
     search->phase = SEARCH_PHASE_EXPLORE;
-    search->turn = 0;
-    search->turn_steps = round_steps(search);
-    search->growing_steps = search->left_count * search->turn_steps;
 }
 
 // Whether the whole design space turned out good when it was last sampled.
@@ -431,11 +295,7 @@ static bool all_good(const struct search *search)
 // Sampled the whole design space and found it good: there is nothing to search for.
 static void take_whole_space(struct search *search)
 {
-    search->left_count = 1;
-    search->left[0] = 0;
-    explore_init(&search->explores[0], &search->space, search->space.lower, 1);
-    box_assign(&search->explores[0].box, &search->space);
-    explore_settle(&search->explores[0]);
+    tournament_award(&search->tournament, &search->space, &search->space);
     start_certify(search);
 }
 
@@ -460,127 +320,39 @@ static void complete_seek(struct search *search)
         give_up(search);
 }
 
-// `goal` says where the step leads: bad share and gains.
-static void explore_once(struct search *search, struct explore_step goal)
+// What the finished step showed.
+static struct explore_step shown(const struct search *search)
 {
-    goal.good = &search->good;
-    goal.bad = &search->bad;
-    goal.samples = search->request.sampling.samples;
-    goal.good_count = search->good_count;
-    goal.threads = search->threads;
-    explore_complete(current(search), &goal);
-}
-
-// Keeps the better half of the boxes in the tournament.
-static void halve(struct search *search)
-{
-    for (uint32_t i = 1; i < search->left_count; i++) {
-        for (uint32_t j = i; j > 0; j--) {
-            uint32_t *one = &search->left[j - 1];
-            uint32_t *two = &search->left[j];
-            if (!explore_ahead(&search->explores[*two], &search->explores[*one]))
-                break;
-            const uint32_t swap = *one;
-            *one = *two;
-            *two = swap;
-        }
-    }
-    search->left_count = (search->left_count + 1) / 2;
-}
-
-// Gives the turn to the next box in the tournament; after the last one the better half stays. After
-// the first round boxes balance their sides once they have grown: trimming on would only nibble.
-static void go_on(struct search *search)
-{
-    if (search->turn_steps > 1) {
-        search->turn_steps--;
-    } else if (search->left_count > 1) {
-        if (++search->turn == search->left_count) {
-            halve(search);
-            search->turn = 0;
-        }
-        search->turn_steps = round_steps(search);
-    }
-    if (search->explore_steps >= search->growing_steps && current(search)->grown)
-        explore_settle(current(search));
+    return (struct explore_step){
+        .good = &search->good,
+        .bad = &search->bad,
+        .samples = search->request.sampling.samples,
+        .good_count = search->good_count,
+        .threads = search->threads,
+    };
 }
 
 static void complete_explore(struct search *search)
 {
-    const struct scenario_search *settings = &search->scenario->search;
-    explore_once(search, (struct explore_step){.bad_share = search_explore_bad,
-                                               .gain = search_gain,
-                                               .volume_gain = search_explore_volume_gain});
-    search->explore_steps++;
-    if (all_good(search) && explore_whole(current(search))) {
-        start_certify(search);
-        return;
-    }
-    go_on(search);
-    if (search->explore_steps < settings->exploration_steps)
-        return;
-    while (search->left_count > 1)
-        halve(search);
-    search->turn = 0;
-    search->samples = settings->samples;
-    start_consolidate(search, settings->consolidation_steps, search_explore_bad);
-}
-
-static void balance_once(struct search *search)
-{
-    const double way = (double)search->consolidate_steps / search->consolidate_count;
-    explore_once(search,
-                 (struct explore_step){
-                     .bad_share = bad_share_now(search),
-                     .gain = search_gain / (1 + search_gain_fall * way),
-                     .volume_gain = search_volume_gain / (1 + search_volume_gain_fall * way),
-                 });
-}
-
-// Takes the box as it stands into the average (Polyak and Juditsky, 1992: the average of the last
-// boxes has less noise than the last one).
-static void take_average(struct search *search)
-{
-    const struct box *box = &current(search)->box;
-    struct box *average = &search->average;
-    if (search->average_count++ == 0)
-        box_assign(average, box);
-    for (uint32_t v = 0; v < box->count; v++) {
-        average->lower[v] += (box->lower[v] - average->lower[v]) / search->average_count;
-        average->upper[v] += (box->upper[v] - average->upper[v]) / search->average_count;
-    }
-}
-
-// The last steps of a consolidation, in which the box only has to come to rest.
-static void settle(struct search *search)
-{
-    const double way = (double)search->consolidate_steps / search->consolidate_count;
-    if (search->trial_steps == 0 && way > search_average_after)
-        take_average(search);
-    const uint32_t left = search->consolidate_count - search->consolidate_steps;
-    if (left == SEARCH_TRIAL_STEPS && search->trial_steps == 0) {
-        if (search->average_count > 0)
-            explore_move(current(search), &search->average);
-        start_trial(search);
-    } else if (left == 0) {
-        start_certify(search);
+    struct explore_step step = shown(search);
+    step.bad_share = search_explore_bad;
+    step.gain = explore_gain;
+    step.volume_gain = search_explore_volume_gain;
+    const struct explore *sampled = current(search);
+    const bool spent = tournament_complete(&search->tournament, &step);
+    if (all_good(search) && explore_whole(sampled)) {
+        tournament_fini(&search->tournament);
+        take_whole_space(search);
+    } else if (spent) {
+        start_consolidate(search, search->scenario->search.consolidation_steps, search_explore_bad);
     }
 }
 
 static void complete_consolidate(struct search *search)
 {
-    if (search->trial_steps > 0)
-        go_on_with_trial(search);
-    else
-        balance_once(search);
-    search->consolidate_steps++;
-    const uint32_t count = search->consolidate_count;
-    const uint32_t settled = (uint32_t)(search_settle_after * count);
-    // The first trial is over before the last one starts, or does not take place.
-    if (search->consolidate_steps == settled && count - settled > 2 * SEARCH_TRIAL_STEPS)
-        start_trial(search);
-    else if (search->consolidate_steps > settled)
-        settle(search);
+    if (consolidate_complete(&search->consolidate, current(search), shown(search),
+                             &search->archive))
+        start_certify(search);
 }
 
 static void complete_certify(struct search *search)
@@ -682,12 +454,10 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     cloud_init(&search->good, search->space.count);
     cloud_init(&search->bad, search->space.count);
     cloud_init(&search->archive, search->space.count);
-    box_init(&search->explored, search->space.count);
-    box_init(&search->balanced, search->space.count);
-    box_init(&search->average, search->space.count);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
-    seek_init(&search->seek, &search->space, SEARCH_STARTS);
+    seek_init(&search->seek, &search->space, tournament_starts(scenario->search.exploration_steps));
+    consolidate_init(&search->consolidate, &search->space);
     search->phase = SEARCH_PHASE_SEEK;
     ask_next(search);
     return search;
@@ -697,15 +467,12 @@ void search_free(struct search *search)
 {
     if (search == NULL)
         return;
-    for (uint32_t i = 0; i < SEARCH_STARTS; i++)
-        explore_fini(&search->explores[i]);
+    tournament_fini(&search->tournament);
+    consolidate_fini(&search->consolidate);
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);
     cloud_fini(&search->archive);
-    box_fini(&search->explored);
-    box_fini(&search->balanced);
-    box_fini(&search->average);
     box_fini(&search->space);
     box_fini(&search->requested);
     box_fini(&search->result);
@@ -738,11 +505,11 @@ static uint32_t steps_left(const struct search *search)
         left += 1 + settings->exploration_steps + settings->consolidation_steps + 1;
         break;
     case SEARCH_PHASE_EXPLORE:
-        left +=
-            settings->exploration_steps - search->explore_steps + settings->consolidation_steps + 1;
+        left += settings->exploration_steps - search->tournament.steps +
+                settings->consolidation_steps + 1;
         break;
     case SEARCH_PHASE_CONSOLIDATE:
-        left += search->consolidate_count - search->consolidate_steps + 1;
+        left += search->consolidate.step_count - search->consolidate.steps + 1;
         break;
     case SEARCH_PHASE_CERTIFY:
         left += 1;
@@ -762,7 +529,7 @@ void search_progress(const struct search *search, struct search_progress *progre
         .step_count = search->step + steps_left(search),
         .evaluations = search->evaluations,
         .good_share = search->step > 0 ? (double)last->good / last->samples : 0,
-        .log_volume = box_log_volume(standing(search), &search->space),
+        .log_volume = box_log_volume(&search->result, &search->scenario->design_space),
         .box = &search->result,
     };
 }

@@ -1,0 +1,170 @@
+#include "coordinator/search/consolidate.h"
+
+#include <math.h>
+
+enum { CONSOLIDATE_TRIAL_STEPS = 5 };
+
+// The wanted share is reached after the first of these parts of the steps; from the second on, when
+// the box has followed, its boxes are averaged.
+static const double consolidate_settle_after = 0.7;
+static const double consolidate_average_after = 0.8;
+
+// The gain of the sides falls to a ninth of that of exploration: first the box must follow the
+// shape of the good region, then the noise must average out. The volume's gain falls to a fifth:
+// few samples are bad, and their number is noise.
+static const double consolidate_gain_fall = 8;
+static const double consolidate_volume_gain = 0.2;
+static const double consolidate_volume_gain_fall = 4;
+
+void consolidate_init(struct consolidate *consolidate, const struct box *space)
+{
+    *consolidate = (struct consolidate){.space = space};
+    box_init(&consolidate->explored, space->count);
+    box_init(&consolidate->average, space->count);
+    box_init(&consolidate->balanced, space->count);
+}
+
+void consolidate_fini(struct consolidate *consolidate)
+{
+    box_fini(&consolidate->explored);
+    box_fini(&consolidate->average);
+    box_fini(&consolidate->balanced);
+    *consolidate = (struct consolidate){0};
+}
+
+void consolidate_start(struct consolidate *consolidate, struct explore *explore,
+                       uint32_t step_count, double bad_from, double bad_to)
+{
+    explore_settle(explore);
+    box_assign(&consolidate->explored, &explore->box);
+    consolidate->steps = 0;
+    consolidate->step_count = step_count;
+    consolidate->bad_from = bad_from;
+    consolidate->bad_to = bad_to;
+    consolidate->average_count = 0;
+    consolidate->trial_steps = 0;
+}
+
+// The bad share to aim at in the next step: its inverse fourth root rises evenly, which is nearly
+// an even fall on a logarithmic scale and needs only what every machine rounds the same.
+static double bad_share_now(const struct consolidate *consolidate)
+{
+    const double from = consolidate->bad_from;
+    const double to = consolidate->bad_to;
+    const double way =
+        (consolidate->steps + 1) / (consolidate_settle_after * consolidate->step_count);
+    if (way >= 1 || from <= to)
+        return to;
+    const double root = 1 + way * (sqrt(sqrt(from / to)) - 1);
+    return from / (root * root * root * root);
+}
+
+static void balance_once(const struct consolidate *consolidate, struct explore *explore,
+                         struct explore_step *step)
+{
+    const double way = (double)consolidate->steps / consolidate->step_count;
+    step->bad_share = bad_share_now(consolidate);
+    step->gain = explore_gain / (1 + consolidate_gain_fall * way);
+    step->volume_gain = consolidate_volume_gain / (1 + consolidate_volume_gain_fall * way);
+    explore_complete(explore, step);
+}
+
+// Trims `grown` by all known bad samples; returns whether the result is larger than `best`, which
+// it then replaces.
+static bool cut_pure(const struct consolidate *consolidate, const struct explore_step *step,
+                     const struct cloud *archive, const struct box *grown, struct box *best)
+{
+    struct trim_options options = trim_options_default();
+    options.anchors = 4;
+    options.threads = step->threads;
+    struct box pure;
+    box_init(&pure, grown->count);
+    bool larger = trim(grown, best, step->good, archive, &options, &pure);
+    larger = larger && volume_above(volume_of(&pure, consolidate->space),
+                                    volume_of(best, consolidate->space));
+    if (larger)
+        box_assign(best, &pure);
+    box_fini(&pure);
+    return larger;
+}
+
+// Cuts a box without any known bad sample out of what exploration found, and one around the box as
+// it stands. If one is larger than that it is put to trial.
+static void start_trial(struct consolidate *consolidate, struct explore *explore,
+                        const struct explore_step *step, const struct cloud *archive)
+{
+    static const struct growth little = {.rate = 0.05};
+    struct box grown;
+    struct box best;
+    box_init(&grown, explore->box.count);
+    box_init(&best, explore->box.count);
+    box_assign(&best, &explore->box);
+    growth_apply(&little, &explore->box, consolidate->space, &grown);
+    bool found = cut_pure(consolidate, step, archive, &grown, &best);
+    found = cut_pure(consolidate, step, archive, &consolidate->explored, &best) || found;
+    if (found) {
+        box_assign(&consolidate->balanced, &explore->box);
+        explore_move(explore, &best);
+        consolidate->trial_steps = CONSOLIDATE_TRIAL_STEPS;
+        consolidate->trial_bad = 0;
+    }
+    box_fini(&best);
+    box_fini(&grown);
+}
+
+// Counts a step of the trial and decides after the last one.
+static void go_on_with_trial(struct consolidate *consolidate, struct explore *explore,
+                             const struct explore_step *step)
+{
+    consolidate->trial_bad += step->samples - step->good_count;
+    if (--consolidate->trial_steps > 0)
+        return;
+    if (consolidate->trial_bad > consolidate->bad_to * step->samples * CONSOLIDATE_TRIAL_STEPS)
+        explore_move(explore, &consolidate->balanced);
+}
+
+// Takes a box into the average (Polyak and Juditsky, 1992: the average of the last boxes has less
+// noise than the last one).
+static void take_average(struct consolidate *consolidate, const struct box *box)
+{
+    struct box *average = &consolidate->average;
+    if (consolidate->average_count++ == 0)
+        box_assign(average, box);
+    for (uint32_t v = 0; v < box->count; v++) {
+        average->lower[v] += (box->lower[v] - average->lower[v]) / consolidate->average_count;
+        average->upper[v] += (box->upper[v] - average->upper[v]) / consolidate->average_count;
+    }
+}
+
+// The last steps, in which the box only has to come to rest.
+static void settle(struct consolidate *consolidate, struct explore *explore,
+                   const struct explore_step *step, const struct cloud *archive)
+{
+    if (consolidate->trial_steps > 0)
+        return;
+    if (consolidate->steps > consolidate_average_after * consolidate->step_count)
+        take_average(consolidate, &explore->box);
+    if (consolidate->step_count - consolidate->steps == CONSOLIDATE_TRIAL_STEPS) {
+        if (consolidate->average_count > 0)
+            explore_move(explore, &consolidate->average);
+        start_trial(consolidate, explore, step, archive);
+    }
+}
+
+bool consolidate_complete(struct consolidate *consolidate, struct explore *explore,
+                          struct explore_step step, const struct cloud *archive)
+{
+    if (consolidate->trial_steps > 0)
+        go_on_with_trial(consolidate, explore, &step);
+    else
+        balance_once(consolidate, explore, &step);
+    consolidate->steps++;
+    const uint32_t count = consolidate->step_count;
+    const uint32_t settled = (uint32_t)(consolidate_settle_after * count);
+    // The first trial is over before the last one starts, or does not take place.
+    if (consolidate->steps == settled && count - settled > 2 * CONSOLIDATE_TRIAL_STEPS)
+        start_trial(consolidate, explore, &step, archive);
+    else if (consolidate->steps > settled)
+        settle(consolidate, explore, &step, archive);
+    return consolidate->steps == count;
+}
