@@ -2,12 +2,13 @@
 
 #include <math.h>
 
-void estimate_add(struct estimate *estimate, double value)
+void estimate_add(struct estimate *estimate, double value, double least)
 {
     if (!estimate->measured) {
         *estimate = (struct estimate){.mean = value, .deviation = value / 2, .measured = true};
         return;
     }
+    value = fmin(value, fmax(2 * estimate_bound(estimate), least));
     estimate->deviation += (fabs(value - estimate->mean) - estimate->deviation) / 4;
     estimate->mean += (value - estimate->mean) / 8;
 }

@@ -8,7 +8,10 @@
 // As long as a worker has answered nothing, its lease allows for the scenario's text to be fetched
 // piece by piece and its model to be prepared. TCP's first timer has 1 s (RFC 6298, section 2);
 // within one network half of that is plenty.
-#define LEASE_FIRST_NS INT64_C(500000000)
+#define LEASE_FIRST_NS INT64_C(200000000)
+
+// Halvings of a new worker's least lease: more than any needs to come to nothing.
+enum { LEASE_HALVINGS_MAX = 60 };
 
 // Nothing is overdue sooner than this: a box may have to be fetched first, and a worker that
 // measured microseconds so far may have to wait for its turn on its own machine.
@@ -74,6 +77,16 @@ static int64_t lease_bound_ns(const struct roster_worker *worker, double work_ns
     return ns_of(work_ns * (1 + spread) + estimate_bound(&worker->delay));
 }
 
+// The least lease of a worker, which halves with each of its outcomes that was measured.
+static int64_t lease_least_ns(const struct lease_book *book, const struct roster_worker *worker)
+{
+    const struct schedule_settings *settings = book->settings;
+    int64_t new_ns = ns_max(settings->lease_new_ns, LEASE_FIRST_NS);
+    if (worker->delay.measured)
+        new_ns = settings->lease_new_ns >> ns_min(worker->measured_count, LEASE_HALVINGS_MAX);
+    return ns_max(new_ns, settings->lease_min_ns);
+}
+
 static struct lease_plan lease_plan(const struct lease_book *book, const struct roster *roster,
                                     const struct lease *lease)
 {
@@ -82,12 +95,12 @@ static struct lease_plan lease_plan(const struct lease_book *book, const struct 
     double work_ns =
         ((double)lease->ahead_ns + (double)lease->cost_ns) * roster_service(roster, worker);
     int64_t bound_ns = lease_bound_ns(worker, work_ns);
-    int64_t least_ns = settings->lease_min_ns;
-    if (!worker->delay.measured) {
-        least_ns = ns_max(least_ns, LEASE_FIRST_NS);
+    int64_t least_ns = lease_least_ns(book, worker);
+    if (!worker->delay.measured)
         bound_ns = ns_max(bound_ns, least_ns / 4);
-    }
-    uint32_t backoff = lease->attempt < LEASE_BACKOFF_MAX ? lease->attempt : LEASE_BACKOFF_MAX;
+    const uint32_t further =
+        lease->attempt < LEASE_FREE_COUNT ? 0 : lease->attempt - LEASE_FREE_COUNT + 1;
+    const uint32_t backoff = further < LEASE_BACKOFF_MAX ? further : LEASE_BACKOFF_MAX;
     int64_t duration_ns = ns_max(least_ns, 2 * bound_ns) << backoff;
     // Work that is known to take longer than the greatest lease is not cut off.
     int64_t most_ns = ns_max(settings->lease_max_ns, ns_of(2 * work_ns));
@@ -118,6 +131,7 @@ struct lease *lease_start(struct lease_book *book, struct roster *roster,
         .attempt = batch->identity.attempt++,
         .order = ++book->started,
         .start_ns = now_ns,
+        .slept_ns = book->slept_ns,
         .cost_ns = ns_of(batch->step->sample_ns * batch->identity.count),
         .ahead_ns = worker->load_ns,
         .timer.tie = book->started,
@@ -137,8 +151,7 @@ void lease_end(struct lease_book *book, struct roster *roster, struct lease *lea
     lease->worker = NULL;
 }
 
-struct lease *lease_due(struct lease_book *book, const struct roster *roster, int64_t now_ns,
-                        bool *ended)
+struct lease *lease_due(struct lease_book *book, struct roster *roster, int64_t now_ns, bool *ended)
 {
     struct heap_entry *first;
     while ((first = heap_first(&book->timers)) != NULL && first->key <= now_ns) {
@@ -148,7 +161,8 @@ struct lease *lease_due(struct lease_book *book, const struct roster *roster, in
         if (*ended)
             return lease;
         bool newly_late = !lease->late && plan.late_ns <= now_ns;
-        lease->late |= newly_late;
+        if (newly_late)
+            roster_late(roster, lease->worker, lease);
         lease_set_timer(book, lease, &plan);
         if (newly_late)
             return lease;
@@ -170,23 +184,33 @@ int64_t lease_wake_ns(const struct lease_book *book)
 
 struct lease *lease_find(struct backlog_batch *batch, uint64_t worker_id, uint32_t attempt)
 {
+    struct lease *next = NULL; // the worker's next one
+    bool kept = false;         // one before it is
     for (uint32_t i = 0; i < LEASE_KEPT_MAX; i++) {
         struct lease *lease = &batch->leases[i];
-        if (lease->worker_id == worker_id && lease->attempt == attempt)
+        if (lease->order == 0)
+            continue;
+        kept |= lease->attempt <= attempt;
+        if (lease->worker_id != worker_id)
+            continue;
+        if (lease->attempt == attempt)
             return lease;
+        if (lease->attempt > attempt && (next == NULL || lease->attempt < next->attempt))
+            next = lease;
     }
-    return NULL;
+    return kept ? NULL : next;
 }
 
-void lease_measure(struct lease *lease, struct roster *roster, struct roster_worker *worker,
-                   int64_t service_ns, int64_t now_ns)
+void lease_measure(const struct lease_book *book, struct lease *lease, struct roster *roster,
+                   struct roster_worker *worker, int64_t service_ns, int64_t now_ns)
 {
     assert(lease->worker_id == worker->id);
     int64_t turnaround_ns = now_ns - lease->start_ns;
     double work_ns =
         ((double)lease->ahead_ns + (double)lease->cost_ns) * roster_service(roster, worker);
     // An evaluation cannot have taken longer than the lease is old, whatever the message says.
-    double service_known_ns = (double)ns_min(service_ns, turnaround_ns);
+    const int64_t age_ns = turnaround_ns + book->slept_ns - lease->slept_ns;
+    double service_known_ns = (double)ns_min(service_ns, age_ns);
     // Of a worker that was not measured before only its own evaluation is known.
     if (!worker->service.measured)
         work_ns = service_known_ns;

@@ -6,8 +6,10 @@
 //        + 4 deviations
 //        + delay
 //
-// The end is twice as far from the start as late is, and not below lease_min_ns; late is not below
-// a quarter of that. Each further attempt has twice the time of the one before.
+// The end is twice as far from the start as late is, and not below the least lease: lease_new_ns,
+// which halves with each outcome of the worker that is measured, down to lease_min_ns. Late is not
+// below a quarter of that. After LEASE_FREE_COUNT attempts each further one has twice the time of
+// the one before.
 //
 // All of this is worked out anew when the timer rings: what has been measured meanwhile counts, so
 // that a model that turns out slow does not end the leases that were given before that was known.
@@ -25,11 +27,13 @@ struct backlog_batch;
 
 enum {
     LEASE_ACTIVE_MAX = 2,  // of a batch at once: the holder's and one copy
-    LEASE_KEPT_MAX = 4,    // of a batch, active and ended
+    LEASE_KEPT_MAX = 4,    // of a batch, active and ended; older ones are answered for by these
     LEASE_PASSED_MAX = 3,  // later leases of the same worker answered: this one is lost if it is
                            // overdue too. Workers work in order, networks reorder neighbours: TCP's
                            // three duplicate acknowledgements (RFC 5681, section 3.2). A batch that
                            // waits for its box is overtaken without being lost: hence overdue
+    LEASE_FREE_COUNT = 6,  // attempts before leases get longer: where half of all batches get
+                           // lost, one in 64 needs more, and to wait would not help
     LEASE_BACKOFF_MAX = 3, // doublings of a lease from attempt to attempt: an estimate far too
                            // short grows eightfold, and under heavy loss nobody waits for minutes
 };
@@ -42,6 +46,7 @@ struct lease {
     uint32_t passed; // outcomes of later leases of the same worker
     uint64_t order;  // among all leases
     int64_t start_ns;
+    int64_t slept_ns;   // the book's, then
     int64_t cost_ns;    // its work, as one core is thought to do it
     int64_t ahead_ns;   // likewise: work the worker had before it
     int64_t overdue_ns; // when its outcome is overdue, if all goes as it did so far
@@ -55,6 +60,7 @@ struct lease_book {
     const struct schedule_settings *settings;
     struct heap timers;
     uint64_t started; // ever
+    int64_t slept_ns; // how long the schedule's clock stood still while the coordinator did
 };
 
 void lease_book_init(struct lease_book *book, const struct schedule_settings *settings);
@@ -70,7 +76,7 @@ void lease_end(struct lease_book *book, struct roster *roster, struct lease *lea
 
 // A lease that has reached its end, which is for the caller to end, or become late, which is marked
 // and goes on; NULL when there is none.
-struct lease *lease_due(struct lease_book *book, const struct roster *roster, int64_t now_ns,
+struct lease *lease_due(struct lease_book *book, struct roster *roster, int64_t now_ns,
                         bool *ended);
 
 // Whether the outcome of an active lease is overdue, if all goes as it did so far.
@@ -80,13 +86,14 @@ bool lease_overdue(const struct lease_book *book, const struct roster *roster,
 // When lease_due() may find one; INT64_MAX when there is none.
 int64_t lease_wake_ns(const struct lease_book *book);
 
-// The batch's lease, active or ended, under which this worker made this attempt, or NULL: also when
-// its outcome has been measured before.
+// The batch's lease, active or ended, under which this worker made this attempt, or where that is
+// no longer kept the next one of the worker: it tells at least how long the worker takes. NULL when
+// there is none, or when its outcome has been measured before.
 struct lease *lease_find(struct backlog_batch *batch, uint64_t worker_id, uint32_t attempt);
 
 // Measures the worker by an outcome of its lease, once.
-void lease_measure(struct lease *lease, struct roster *roster, struct roster_worker *worker,
-                   int64_t service_ns, int64_t now_ns);
+void lease_measure(const struct lease_book *book, struct lease *lease, struct roster *roster,
+                   struct roster_worker *worker, int64_t service_ns, int64_t now_ns);
 
 // How many leases of the batch are active.
 uint32_t lease_active(const struct backlog_batch *batch);

@@ -20,6 +20,9 @@ enum {
 // The greatest rate of one worker, a million cores: whatever workers claim, the total fits.
 #define ROSTER_RATE_MAX 1e12
 
+// A delay below this is never too long to be taken for what it is [ns].
+#define ROSTER_DELAY_LEAST_NS 1e6
+
 // What is more than this ranks as this [ns]; stalled workers rank behind it.
 #define ROSTER_LOAD_MAX (INT64_C(1) << 60)
 
@@ -82,10 +85,8 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
 static double worker_load_ns(const struct roster *roster, const struct roster_worker *worker)
 {
     double load_ns = (double)worker->load_ns * roster_service(roster, worker);
-    if (worker->queue <= worker->lease_count)
-        return load_ns;
     double batch_ns = worker->lease_count > 0 ? load_ns / worker->lease_count : 1;
-    return load_ns + batch_ns * (worker->queue - worker->lease_count);
+    return load_ns + batch_ns * worker->queue;
 }
 
 // Two batches hide the round trip: one in work, one waiting. More are needed only where they are
@@ -102,6 +103,14 @@ static bool worker_room(const struct roster *roster, const struct roster_worker 
                                            2 * (double)roster->settings->batch_target_ns;
 }
 
+// Has nothing to do, as far as one can know. What is late would have been answered: it was lost on
+// its way there or back, or the worker hangs.
+static bool worker_idle(const struct roster *roster, const struct roster_worker *worker)
+{
+    return worker->state == ROSTER_WORKING && worker->late_count == worker->lease_count &&
+           worker->lease_count < roster->settings->window_max && worker->queue == 0;
+}
+
 // Brings the worker's place and its part of the total rate up to date; after every change.
 static void roster_rank(struct roster *roster, struct roster_worker *worker)
 {
@@ -112,8 +121,9 @@ static void roster_rank(struct roster *roster, struct roster_worker *worker)
             1 + (uint64_t)fmin(ROSTER_RATE_CORE / roster_service(roster, worker), ROSTER_RATE_MAX);
     roster->rate_total += worker->rate;
 
-    if (worker->state == ROSTER_WORKING && worker->lease_count == 0 && worker->queue == 0)
-        heap_put(&roster->idle, &worker->idle_rank, roster_stalled(worker));
+    if (worker_idle(roster, worker))
+        heap_put(&roster->idle, &worker->idle_rank,
+                 roster_stalled(worker) ? 2 : worker->lease_count > 0);
     else
         heap_remove(&roster->idle, &worker->idle_rank);
 
@@ -195,7 +205,10 @@ void roster_hear(struct roster *roster, struct roster_worker *worker, int64_t no
 
 void roster_queue(struct roster *roster, struct roster_worker *worker, uint32_t queue)
 {
-    worker->queue = queue < ROSTER_QUEUE_MAX ? queue : ROSTER_QUEUE_MAX;
+    // What is leased to it may be among what it has, or lost: only what is more is others'. To
+    // remember ours too would keep it busy in our eyes when its last outcome is lost.
+    const uint32_t others = queue > worker->lease_count ? queue - worker->lease_count : 0;
+    worker->queue = others < ROSTER_QUEUE_MAX ? others : ROSTER_QUEUE_MAX;
     if (queue == 0)
         worker->stalls = 0;
     roster_rank(roster, worker);
@@ -218,7 +231,16 @@ void roster_drop(struct roster *roster, struct roster_worker *worker, struct lea
     }
     worker->leases[index] = worker->leases[--worker->lease_count];
     worker->load_ns -= lease->cost_ns;
+    worker->late_count -= lease->late;
     assert(worker->lease_count > 0 || worker->load_ns == 0);
+    roster_rank(roster, worker);
+}
+
+void roster_late(struct roster *roster, struct roster_worker *worker, struct lease *lease)
+{
+    assert(!lease->late);
+    lease->late = true;
+    worker->late_count++;
     roster_rank(roster, worker);
 }
 
@@ -226,9 +248,14 @@ void roster_measure(struct roster *roster, struct roster_worker *worker, double 
                     double service_ns, double delay_ns)
 {
     double service = fmax(service_ns, 1) / cost_ns;
-    estimate_add(&worker->service, service);
-    estimate_add(&worker->delay, delay_ns);
-    estimate_add(&roster->core, service * worker->threads);
+    estimate_add(&worker->service, service, 0);
+    // The first outcome came after the scenario's text had been fetched: the second one tells more.
+    if (worker->measured_count == 1 && delay_ns < worker->delay.mean)
+        worker->delay = (struct estimate){0};
+    estimate_add(&worker->delay, delay_ns, ROSTER_DELAY_LEAST_NS);
+    if (worker->measured_count < UINT32_MAX)
+        worker->measured_count++;
+    estimate_add(&roster->core, service * worker->threads, 0);
     roster_rank(roster, worker);
 }
 
@@ -262,12 +289,25 @@ struct roster_worker *roster_pick(const struct roster *roster, const struct rost
     return worker_of_rank(second);
 }
 
-struct roster_worker *roster_idle(const struct roster *roster)
+static bool worker_holds(const struct roster_worker *worker, const struct backlog_batch *batch)
 {
-    struct heap_entry *first = heap_first(&roster->idle);
-    if (first == NULL)
-        return NULL;
-    return (struct roster_worker *)((char *)first - offsetof(struct roster_worker, idle_rank));
+    for (uint32_t i = 0; i < worker->lease_count; i++) {
+        if (worker->leases[i]->batch == batch)
+            return true;
+    }
+    return false;
+}
+
+struct roster_worker *roster_idle(const struct roster *roster, const struct backlog_batch *batch)
+{
+    struct heap_entry *const ranks[] = {heap_first(&roster->idle), heap_second(&roster->idle)};
+    for (size_t i = 0; i < 2 && ranks[i] != NULL; i++) {
+        struct roster_worker *worker =
+            (struct roster_worker *)((char *)ranks[i] - offsetof(struct roster_worker, idle_rank));
+        if (!worker_holds(worker, batch))
+            return worker;
+    }
+    return NULL;
 }
 
 struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns)

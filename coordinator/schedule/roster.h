@@ -26,6 +26,7 @@
 
 #include <glib.h>
 
+struct backlog_batch;
 struct lease;
 
 enum {
@@ -49,7 +50,7 @@ struct roster_worker {
     uint64_t id;
     char name[96];    // printable
     uint32_t threads; // >= 1
-    uint32_t queue;   // batches it has, ours and other coordinators'
+    uint32_t queue;   // batches it has beyond those leased to it: other coordinators'
 
     // As it was seen.
     enum roster_state state;
@@ -57,12 +58,14 @@ struct roster_worker {
     int64_t outcome_ns;      // last outcome
     struct estimate service; // its time for what a core is thought to do in 1 ns [ns / ns]
     struct estimate delay;   // from lease to outcome, beyond the work expected [ns]
+    uint32_t measured_count; // outcomes that both were taken from
     uint32_t stalls;         // leases late or lapsed since it was heard to work
 
     // What it holds.
     struct lease **leases; // (lease_count) of at most window_max
     uint32_t lease_count;
-    int64_t load_ns; // the work in them, as one core is thought to do it
+    uint32_t late_count; // of these
+    int64_t load_ns;     // the work in them, as one core is thought to do it
 
     // Its places in the roster.
     uint64_t rate;               // its part of rate_total; 0 when it has none
@@ -100,13 +103,16 @@ void roster_move(struct roster *roster, struct roster_worker *worker, enum roste
 // A sign of life.
 void roster_hear(struct roster *roster, struct roster_worker *worker, int64_t now_ns);
 
-// Sets how much the worker says it has to do. One that has nothing to do is not stalled: what it
-// was given got lost.
+// The worker says it has `queue` batches: those leased to it, and other coordinators'. One that has
+// nothing to do is not stalled: what it was given got lost.
 void roster_queue(struct roster *roster, struct roster_worker *worker, uint32_t queue);
 
 // The worker holds this lease from now on, or no longer.
 void roster_hold(struct roster *roster, struct roster_worker *worker, struct lease *lease);
 void roster_drop(struct roster *roster, struct roster_worker *worker, struct lease *lease);
+
+// A lease it holds becomes late.
+void roster_late(struct roster *roster, struct roster_worker *worker, struct lease *lease);
 
 // An outcome says: work worth `cost_ns` on one core took it `service_ns`, and came back `delay_ns`
 // after it was expected.
@@ -128,9 +134,9 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
 // one else. NULL when nobody has room.
 struct roster_worker *roster_pick(const struct roster *roster, const struct roster_worker *other);
 
-// A working worker that has nothing to do, as far as one can know; a stalled one if there is no
-// other. NULL when there is none.
-struct roster_worker *roster_idle(const struct roster *roster);
+// A working worker that has nothing to do, as far as one can know, and does not hold `batch`; one
+// whose leases are all late if there is no other, and then a stalled one. NULL when there is none.
+struct roster_worker *roster_idle(const struct roster *roster, const struct backlog_batch *batch);
 
 // A working worker that has been silent for too long, or NULL.
 struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns);

@@ -16,6 +16,10 @@
 // announce themselves within this time. Told again at doubling intervals.
 #define DROUGHT_FIRST_NS INT64_C(1000000000)
 
+// Late batches looked at for one that an idle worker does not hold itself. That worker holds a few
+// at most, so a few more always hold one if there is one.
+enum { COPY_LOOK_MAX = 16 };
+
 struct schedule {
     struct schedule_settings settings;
     struct roster roster;
@@ -50,10 +54,12 @@ struct schedule_settings schedule_settings_default(void)
         // Three announcements missed.
         .silence_ns = 3 * INT64_C(1000000000),
         // Above what a busy machine's scheduler and a garbage-collecting switch take now and then
-        // (tens of ms with two processes a core), and far below what a person notices. A lost
-        // message costs this much only while the worker has nothing else: otherwise later outcomes
-        // tell of it.
-        .lease_min_ns = 50 * INT64_C(1000000),
+        // (tens of ms with two processes a core), and far below what a person notices. It halves
+        // with each outcome that is measured.
+        .lease_new_ns = 50 * INT64_C(1000000),
+        // What a lost message costs where every measurement is short and nobody is idle; a quarter
+        // of it where somebody is. A hiccup that is longer makes copies: an idle worker's time.
+        .lease_min_ns = 2 * INT64_C(1000000),
         // An estimate that ran away is mended within this time; silence ends a dead worker's leases
         // earlier.
         .lease_max_ns = 30 * INT64_C(1000000000),
@@ -71,6 +77,7 @@ struct schedule *schedule_create(const struct schedule_settings *settings)
     assert(settings->batch_target_ns > 0);
     assert(settings->silence_ns > 0);
     assert(settings->lease_min_ns > 0);
+    assert(settings->lease_new_ns > 0);
     assert(settings->lease_max_ns >= settings->lease_min_ns);
     assert(settings->window_max > 0);
     struct schedule *schedule = g_new0(struct schedule, 1);
@@ -292,7 +299,8 @@ static void outcome_measure(struct schedule *schedule, const struct schedule_eve
     if (lease == NULL)
         return;
     uint64_t order = lease->order;
-    lease_measure(lease, &schedule->roster, worker, event->outcome.service_ns, schedule->now_ns);
+    lease_measure(&schedule->book, lease, &schedule->roster, worker, event->outcome.service_ns,
+                  schedule->now_ns);
     if (lease->worker != NULL)
         lease_end(&schedule->book, &schedule->roster, lease);
     worker_passed(schedule, worker, order);
@@ -443,10 +451,20 @@ static bool dispatch_cut(struct schedule *schedule)
 
 static bool dispatch_copy(struct schedule *schedule)
 {
-    struct roster_worker *worker = roster_idle(&schedule->roster);
-    if (worker == NULL || schedule->backlog.late.head == NULL)
+    struct backlog_batch *batch = NULL;
+    struct roster_worker *worker = NULL;
+    GList *link = schedule->backlog.late.head;
+    for (uint32_t looked = 0; worker == NULL && link != NULL && looked < COPY_LOOK_MAX; looked++) {
+        batch = link->data;
+        worker = roster_idle(&schedule->roster, batch);
+        link = link->next;
+    }
+    if (worker == NULL)
         return false;
-    struct backlog_batch *batch = schedule->backlog.late.head->data;
+    // Whose leases are all late may still be at work on them: good enough for the last batches of a
+    // step, not for taking the place of other work.
+    if (worker->lease_count > 0 && schedule->backlog.open.head != NULL)
+        return false;
     backlog_set_late(&schedule->backlog, batch, false);
     batch_lease(schedule, batch, worker);
     schedule->counters.copies++;
@@ -474,6 +492,7 @@ static void schedule_advance(struct schedule *schedule, int64_t event_ns)
         if (excused_ns < schedule->now_ns)
             excused_ns = schedule->now_ns;
         schedule->slept_ns += now_ns - excused_ns;
+        schedule->book.slept_ns = schedule->slept_ns;
         now_ns = excused_ns;
         schedule->excused = true;
     } else if (now_ns >= schedule->wake_ns) {
