@@ -32,7 +32,7 @@
 enum {
     FRESH_CHALLENGE_SIZE = 16,  // [bytes]
     FRESH_PROVEN_MAX = 4096,    // senders; 1 KB each
-    FRESH_WAITING_MAX = 64,     // senders asked; the one unheard longest makes room
+    FRESH_WAITING_MAX = 512,    // senders asked; the one unheard longest makes room
     FRESH_HELD_MAX = 256,       // messages held of one sender
     FRESH_HELD_BYTES = 1 << 20, // [bytes] held of all
     // Numbers behind the greatest of a kind within which late ones are taken. A jitter of 10 ms at

@@ -4,8 +4,11 @@
 
 #include <inttypes.h>
 
-static const char *const texts[STRANGER_COUNT] = {
-#define STRANGER_TEXT(name, text) [name] = text,
+static const struct {
+    uint64_t least; // messages, before the person is told
+    const char *text;
+} tellings[STRANGER_COUNT] = {
+#define STRANGER_TEXT(name, least, text) [name] = {least, text},
     STRANGER_LIST(STRANGER_TEXT)
 #undef STRANGER_TEXT
 };
@@ -15,11 +18,12 @@ bool stranger_heard(struct strangers *strangers, enum stranger stranger, uint64_
 {
     uint64_t heard = strangers->of[stranger].heard += count;
     uint64_t told = strangers->of[stranger].told;
-    if (count == 0 || heard < 2 * told ||
+    if (count == 0 || heard < tellings[stranger].least || heard < 2 * told ||
         (told > 0 && now_ns - strangers->of[stranger].told_ns < STRANGER_QUIET_NS))
         return false;
     strangers->of[stranger].told = heard;
     strangers->of[stranger].told_ns = now_ns;
-    log_note("heard %" PRIu64 " message%s %s", heard, heard == 1 ? "" : "s", texts[stranger]);
+    log_note("heard %" PRIu64 " message%s %s", heard, heard == 1 ? "" : "s",
+             tellings[stranger].text);
     return true;
 }

@@ -9,19 +9,21 @@
 
 #define STRANGER_QUIET_NS INT64_C(10000000000)
 
-// Who they come from, and what the person should know.
-#define STRANGER_LIST(X)                                                                          \
-    X(STRANGER_OTHER_KEY, "that this program's key does not open: a program on this network has " \
-                          "another --key-file")                                                   \
-    X(STRANGER_NO_KEY, "without a key: a program on this network runs without --key-file and is " \
-                       "not listened to")                                                         \
-    X(STRANGER_SEALED, "sealed with a key: give this program the --key-file of those that sent "  \
-                       "them")                                                                    \
-    X(STRANGER_SILENT, "whose senders do not prove that they are there: recorded ones, or this "  \
-                       "machine is not heard by all it hears")
+// Who they come from, from how many on the person is told, and what. A few messages of a sender
+// that does not answer are those of a program that has just ended.
+#define STRANGER_LIST(X)                                                                         \
+    X(STRANGER_OTHER_KEY, 1,                                                                     \
+      "that this program's key does not open: a program on this network has another --key-file") \
+    X(STRANGER_NO_KEY, 1,                                                                        \
+      "without a key: a program on this network runs without --key-file and is not listened to") \
+    X(STRANGER_SEALED, 1,                                                                        \
+      "sealed with a key: give this program the --key-file of those that sent them")             \
+    X(STRANGER_SILENT, 10,                                                                       \
+      "whose senders do not prove that they are there: recorded ones, or this machine is not "   \
+      "heard by all it hears")
 
 enum stranger {
-#define STRANGER_ENUM(name, text) name,
+#define STRANGER_ENUM(name, least, text) name,
     STRANGER_LIST(STRANGER_ENUM)
 #undef STRANGER_ENUM
         STRANGER_COUNT

@@ -102,8 +102,9 @@ enum status wire_subscribe(struct wire *wire, enum wire_kind kind, wire_handler 
                            void *user, struct error *error) MUST_USE;
 
 // Like wire_subscribe(), but with a key also messages of senders that have not proven that they are
-// there, which may be recordings. For a kind that many hear of many and an old message of which
-// does no harm: the proofs would be as many as their pairs.
+// there, which may be recordings: whatever is made of them, a stranger can bring about. For workers
+// among each other, which only count their kind, and whose proofs would be as many as their pairs.
+// Who shows or uses what it hears subscribes; a proof is two messages, once.
 enum status wire_overhear(struct wire *wire, enum wire_kind kind, wire_handler *handler, void *user,
                           struct error *error) MUST_USE;
 

@@ -43,8 +43,17 @@ static void nothing_heard_is_nothing_told(void **state)
     (void)state;
     struct strangers strangers = {0};
     assert_false(stranger_heard(&strangers, STRANGER_SILENT, 0, 0));
-    assert_true(stranger_heard(&strangers, STRANGER_SILENT, 7, 0));
+    assert_true(stranger_heard(&strangers, STRANGER_SILENT, 70, 0));
     assert_false(stranger_heard(&strangers, STRANGER_SILENT, 0, 100 * second_ns));
+}
+
+// The last words of a program that has just ended are no recording.
+static void few_unanswered_messages_are_not_worth_a_line(void **state)
+{
+    (void)state;
+    struct strangers strangers = {0};
+    assert_false(stranger_heard(&strangers, STRANGER_SILENT, 3, 0));
+    assert_true(stranger_heard(&strangers, STRANGER_SILENT, 30, 0));
 }
 
 int main(void)
@@ -54,6 +63,7 @@ int main(void)
         cmocka_unit_test(later_ones_are_told_ever_more_seldom),
         cmocka_unit_test(flood_gives_few_lines),
         cmocka_unit_test(nothing_heard_is_nothing_told),
+        cmocka_unit_test(few_unanswered_messages_are_not_worth_a_line),
     };
     log_start("stranger_test", LOG_QUIET);
     return cmocka_run_group_tests(tests, NULL, NULL);
