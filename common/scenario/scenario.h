@@ -72,13 +72,13 @@ struct scenario_barrier {
     enum scenario_profile profile;
 };
 
-// An axial and a lateral spring that share a place and the axial deformation.
+// An axial and a lateral spring that share a place and the axial deformation. The crash is planar:
+// only measured barrier forces are shared by height, among springs at the same y.
 struct scenario_spring {
     char name[SCENARIO_NAME_SIZE];
     double position[2];   // [m] from the COG in vehicle axes
     double length;        // [m] undeformed
-    double height;        // [m] above the road, NAN where none is given: the crash is planar, only
-                          // measured barrier forces are shared among springs of the same y by it
+    double height;        // [m] above the road, NAN where none is given; see below
     uint32_t point_count; // 2..SCENARIO_POINT_MAX
     double deformation[SCENARIO_POINT_MAX];                           // [m] ascending
     double force_lower[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N] the design space
