@@ -5,7 +5,7 @@
 // direction numbers that start from random odd integers drawn for the variable (Sobol, 1967; any
 // odd start gives a digital (0, m, 1)-sequence in each variable). All points of a step are
 // scrambled: a random digital shift and a random lower-triangular matrix (Matousek, 1998), keyed by
-// seed, search, step and variable, so that steps are independent and points are uniform one by one.
+// seed, step and variable, so that steps are independent and points are uniform one by one.
 #ifndef SOBOX_WORKER_SAMPLING_SOBOL_H
 #define SOBOX_WORKER_SAMPLING_SOBOL_H
 
