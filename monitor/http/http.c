@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "monitor/http/host.h"
+#include "monitor/http/metrics.h"
 #include "monitor/web/web.h"
 
 #include <arpa/inet.h>
@@ -214,6 +215,13 @@ static enum MHD_Result send_state(struct http *http, struct MHD_Connection *conn
     return send_text(connection, "application/json", text);
 }
 
+static enum MHD_Result send_metrics(struct http *http, struct MHD_Connection *connection)
+{
+    GString *text = g_string_new(NULL);
+    metrics_write(http->view->feed, clock_monotonic_ns(), text);
+    return send_text(connection, METRICS_TYPE, text);
+}
+
 // ---- Requests ----
 
 // Whether another site made the browser ask. Opening the page by a link from there is fine.
@@ -244,6 +252,8 @@ static enum MHD_Result respond(struct http *http, struct MHD_Connection *connect
         return send_events(http, connection);
     if (strcmp(path, "/state.json") == 0)
         return send_state(http, connection);
+    if (strcmp(path, "/metrics") == 0)
+        return send_metrics(http, connection);
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is nothing of that name\n");
 }
 

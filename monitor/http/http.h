@@ -4,6 +4,7 @@
 //   /events       the picture as server-sent events (picture.h); ?run=ID&search=NUMBER chooses what
 //                 is told in detail
 //   /state.json   the same once, complete, for scripts
+//   /metrics      for Prometheus (metrics.h)
 //
 // It runs on the main loop of the thread that owns the feed. Nobody can make it wait or grow:
 // connections, streams and the size of a request are limited, bodies refused, and a stream that is

@@ -152,9 +152,9 @@ enum status watch_start(struct watch **made, const char *url, const struct key *
         status = wire_subscribe(watch->wire, WIRE_RUN_STATUS, heard, watch, error);
     if (status == STATUS_OK)
         status = wire_subscribe(watch->wire, WIRE_SEARCH_STATUS, heard, watch, error);
-    // Workers are many, and to ask each for a proof that it is there would cost the run something.
+    // With a key each worker is asked once for a proof that it is there: no recording is shown.
     if (status == STATUS_OK)
-        status = wire_overhear(watch->wire, WIRE_WORKER_STATUS, heard, watch, error);
+        status = wire_subscribe(watch->wire, WIRE_WORKER_STATUS, heard, watch, error);
     if (status != STATUS_OK) {
         wire_close(watch->wire);
         g_free(watch->url);
