@@ -78,7 +78,7 @@ struct scenario_spring {
     char name[SCENARIO_NAME_SIZE];
     double position[2];   // [m] from the COG in vehicle axes
     double length;        // [m] undeformed
-    double height;        // [m] above the road, NAN where none is given; see below
+    double height;        // [m] above the road, NAN where none is given; see above
     uint32_t point_count; // 2..SCENARIO_POINT_MAX
     double deformation[SCENARIO_POINT_MAX];                           // [m] ascending
     double force_lower[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N] the design space

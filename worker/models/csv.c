@@ -1,5 +1,6 @@
 #include "worker/models/csv.h"
 
+#include <assert.h>
 #include <glib.h>
 #include <math.h>
 #include <stdarg.h>
@@ -13,6 +14,14 @@ void csv_start(struct csv *csv, const char *source, const char *text, size_t siz
     csv->end = text + size;
     csv->line = 0;
     csv->field_count = 0;
+}
+
+void csv_continue(struct csv *csv, const char *text, size_t size)
+{
+    assert(csv->rest == csv->end && csv->field_count == 0);
+    csv->line--; // which csv_row() had set behind the last line
+    csv->rest = text;
+    csv->end = text + size;
 }
 
 static bool csv_is_blank(char c)

@@ -31,6 +31,10 @@ struct csv {
 // Begins to read. `source` and `text` are borrowed while the table is in use.
 void csv_start(struct csv *csv, const char *source, const char *text, size_t size);
 
+// Goes on with the text that follows what was read, once csv_row() came to its end: tables too
+// large for memory come in pieces of whole lines. Borrowed as before.
+void csv_continue(struct csv *csv, const char *text, size_t size);
+
 // Reads the next row into `fields`; at the end of the text field_count is 0.
 // Errors: STATUS_INVALID (more than CSV_FIELD_MAX fields).
 enum status csv_row(struct csv *csv, struct error *error) MUST_USE;

@@ -23,7 +23,7 @@ static const char *const column_names[COLUMN_COUNT] = {
 
 static const char header_text[] = "spring,branch,deformation_m,force_x_N,force_y_N";
 
-static void design_init(struct design *design, const struct scenario *scenario)
+void design_init(struct design *design, const struct scenario *scenario)
 {
     design->spring_count = scenario->spring_count;
     design->springs = g_new0(struct design_spring, design->spring_count);
@@ -47,8 +47,7 @@ void design_fini(struct design *design)
     *design = (struct design){0};
 }
 
-static void branch_add(struct design_branch *branch, double deformation, double force_x,
-                       double force_y)
+void design_add(struct design_branch *branch, double deformation, double force_x, double force_y)
 {
     const uint32_t last = branch->point_count++;
     branch->deformation = g_renew(double, branch->deformation, branch->point_count);
@@ -85,7 +84,7 @@ void design_init_place(struct design *design, const struct scenario *scenario,
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         const struct scenario_spring *spring = &scenario->springs[i];
         for (uint32_t point = 0; point < spring->point_count; point++) {
-            branch_add(&design->springs[i].load, spring->deformation[point],
+            design_add(&design->springs[i].load, spring->deformation[point],
                        place_force(spring, place, SCENARIO_DIRECTION_X, point),
                        place_force(spring, place, SCENARIO_DIRECTION_Y, point));
         }
@@ -164,7 +163,7 @@ static enum status parse_point(struct design *design, const struct scenario *sce
                          "found %g",
                          branch->deformation[branch->point_count - 1], deformation);
     }
-    branch_add(branch, deformation, number[COLUMN_FORCE_X], number[COLUMN_FORCE_Y]);
+    design_add(branch, deformation, number[COLUMN_FORCE_X], number[COLUMN_FORCE_Y]);
     return STATUS_OK;
 }
 
@@ -228,4 +227,34 @@ enum status design_parse(struct design *design, const struct scenario *scenario,
         return STATUS_INVALID;
     }
     return STATUS_OK;
+}
+
+static void append_branch(GString *text, const char *spring, const char *name,
+                          const struct design_branch *branch)
+{
+    for (uint32_t i = 0; i < branch->point_count; i++) {
+        const double numbers[] = {
+            branch->deformation[i],
+            branch->force[SCENARIO_DIRECTION_X][i],
+            branch->force[SCENARIO_DIRECTION_Y][i],
+        };
+        g_string_append_printf(text, "%s,%s", spring, name);
+        for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++) {
+            char digits[G_ASCII_DTOSTR_BUF_SIZE];
+            g_string_append_c(text, ',');
+            g_string_append(text, g_ascii_dtostr(digits, sizeof digits, numbers[k]));
+        }
+        g_string_append_c(text, '\n');
+    }
+}
+
+char *design_text(const struct design *design, const struct scenario *scenario)
+{
+    GString *text = g_string_new(header_text);
+    g_string_append_c(text, '\n');
+    for (uint32_t i = 0; i < design->spring_count; i++) {
+        append_branch(text, scenario->springs[i].name, "load", &design->springs[i].load);
+        append_branch(text, scenario->springs[i].name, "unload", &design->springs[i].unload);
+    }
+    return g_string_free(text, FALSE);
 }

@@ -44,6 +44,16 @@ void design_init_place(struct design *design, const struct scenario *scenario,
 enum status design_parse(struct design *design, const struct scenario *scenario, const char *source,
                          const char *text, size_t size, struct error *error) MUST_USE;
 
+// A design without any point, for design_add(). The caller releases it with design_fini().
+void design_init(struct design *design, const struct scenario *scenario);
+
+// Adds a point behind the last of a branch: its deformation is the greater one.
+void design_add(struct design_branch *branch, double deformation, double force_x, double force_y);
+
+// The design as the text of a CSV file, which design_parse() reads back to the same bits. The
+// caller frees it with g_free().
+char *design_text(const struct design *design, const struct scenario *scenario);
+
 // Releases a design. A zeroed struct is fine.
 void design_fini(struct design *design);
 

@@ -1,0 +1,111 @@
+# From a barrier's forces to a design and back to the motion, from the command line.
+# shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
+
+# Writes forces.csv and motion.csv: those of a simulated design of the scenario's one spring at
+# y = -0.75, each force shared by two nodes of the barrier.
+_measure() # DESIGN
+{
+    run 0 sobox-simulate "$scenario" --design "$1" --trajectory path.csv
+    cut -d , -f 1-4 path.csv >motion.csv
+    awk -F, '
+        NR == 1 { print "time_s,node,y_m,z_m,normal_x_N,normal_y_N,shear_x_N,shear_y_N" }
+        NR > 1 {
+            x = cos($4) * $10 - sin($4) * $11
+            y = sin($4) * $10 + cos($4) * $11
+            for (node = 1; node <= 2; node++)
+                printf "%s,%d,-0.%d,0.5,%.17g,0,0,%.17g\n", $1, node, 5 + node, -x / 2, -y / 2
+        }' path.csv >forces.csv
+}
+
+# The forces of a known design, reduced and simulated again, move the car as the design did.
+forces_of_a_design_give_its_motion_back()
+{
+    _measure centre
+    run 0 sobox-barrier-forces "$scenario" --forces forces.csv --motion motion.csv \
+        --output design.csv
+    expect_equal "$(json out '$.forces_on')" barrier 'the side of the contact'
+    expect_equal "$(json out '$.times')" 151 'times'
+    run 0 sobox-simulate "$scenario" --design design.csv --compare motion.csv
+    expect_equal "$(sqlite3 :memory: "SELECT max(value) < 1e-6 FROM json_tree(readfile('out'))
+        WHERE key IN ('x_m', 'y_m', 'yaw_rad')")" 1 'the motion comes back'
+}
+
+forces_are_read_from_a_pipe()
+{
+    _measure centre
+    run 0 sobox-barrier-forces "$scenario" --forces forces.csv --motion motion.csv \
+        --output design.csv
+    run 0 sobox-barrier-forces "$scenario" --forces - --motion motion.csv --output piped.csv \
+        <forces.csv
+    cmp design.csv piped.csv || fail 'the design differs'
+}
+
+# A table of 30 MB goes through a program that may take 20 MB of data.
+table_need_not_fit_memory()
+{
+    _measure centre
+    awk -F, -v OFS=, '
+        NR == 1 { print }
+        NR > 1 { for (i = 0; i < 1500; i++) { $2 = 2 * i + NR % 2; print } }' forces.csv >large.csv
+    local limited=(bash -c 'ulimit -d 20000; exec "$@"' limited)
+    # Under a sanitizer nothing starts with so little.
+    "${limited[@]}" sobox-barrier-forces --version || limited=()
+    run 0 "${limited[@]}" sobox-barrier-forces "$scenario" --forces large.csv \
+        --motion motion.csv --output design.csv
+    expect_equal "$(json out '$.node_forces')" 453000 'node forces'
+}
+
+wrong_forces_are_pointed_at()
+{
+    _measure centre
+    local arguments=("$scenario" --motion motion.csv --output design.csv)
+    { cat forces.csv; echo '0.1,1,-0.6,0.5,0,0,0,0'; } >wrong.csv
+    run 2 sobox-barrier-forces "${arguments[@]}" --forces wrong.csv
+    expect_one_line err
+    expect_said err '^wrong.csv:304:1: time_s: '
+    sed '3s/-0\.6/here/; 3s/-0\.7/here/' forces.csv >wrong.csv
+    run 2 sobox-barrier-forces "${arguments[@]}" --forces wrong.csv
+    expect_one_line err
+    expect_said err '^wrong.csv:3:[0-9]*: y_m: .*here'
+    head -c 3000000 /dev/zero | tr '\0' x >wrong.csv
+    run 2 sobox-barrier-forces "${arguments[@]}" --forces wrong.csv
+    expect_said err 'wrong.csv: expected lines'
+    run 2 sobox-barrier-forces "${arguments[@]}" --forces nowhere.csv
+    expect_said err 'nowhere.csv'
+    run 2 sobox-barrier-forces "${arguments[@]}" --forces .
+    expect_no design.csv
+}
+
+wrong_motion_is_pointed_at()
+{
+    _measure centre
+    cut -d , -f 1-3 motion.csv >wrong.csv
+    run 2 sobox-barrier-forces "$scenario" --forces forces.csv --motion wrong.csv --output d.csv
+    expect_said err '^wrong.csv:1:1: .*yaw_rad'
+    head -n 50 motion.csv >wrong.csv
+    run 2 sobox-barrier-forces "$scenario" --forces forces.csv --motion wrong.csv --output d.csv
+    expect_said err '^forces.csv:[0-9]*:1: time_s: expected 0 to '
+    expect_no d.csv
+}
+
+missing_options_are_named()
+{
+    run 2 sobox-barrier-forces "$scenario"
+    expect_said err '--forces'
+    run 2 sobox-barrier-forces
+    expect_said err 'SCENARIO.yaml'
+    run 0 sobox-barrier-forces --version
+    expect_said out '^sobox-barrier-forces [0-9]'
+}
+
+# A table with a hole, and a force beside the barrier: told, but no reason to stop.
+doubts_are_noted()
+{
+    _measure centre
+    awk -F, 'NR == 1 || $1 < 0.05 || $1 > 0.07 { print }
+        NR == 9 { printf "%s,9,0.3,0.5,-1e5,0,0,0\n", $1 }' forces.csv >doubtful.csv
+    run 0 sobox-barrier-forces "$scenario" --forces doubtful.csv --motion motion.csv \
+        --output design.csv
+    expect_said err 'nothing between 0.0[45]'
+    expect_said err '1 node forces, .* outside all patches'
+}
