@@ -1,0 +1,201 @@
+// What the choices in the crash model change: the rule of reloading and the time step. Every
+// scenario of deploy/scenarios with each of the three responses is searched, then random designs of
+// its design space and of the box found are judged under each choice. Prints tables in Markdown.
+//
+//     crash_study reloading [DESIGNS]    verdicts under simulation.reloading thesis and crushed
+//     crash_study steps [DESIGNS]        errors of s_L, AbWAP, AbWP at a range of time steps
+//
+// DESIGNS (default 4096) are drawn a scenario.
+#include "common/scenario/scenario_read.h"
+#include "coordinator/search/search.h"
+#include "worker/batch/batch.h"
+
+#include <glib.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STUDY_THREADS = 2 };
+
+static const char *const study_scenarios[] = {
+    "sedan-two-springs", "sedan-ten-springs",      "suv-two-springs",
+    "suv-ten-springs",   "sports-car-two-springs", "sports-car-ten-springs",
+};
+static const char *const study_responses[] = {"any", "rotating", "glancing_off"};
+
+// Reads a shipped scenario with up to four overrides, the rest NULL; ends the program when it
+// cannot.
+static struct scenario study_scenario(const char *name, const char *const overrides[4])
+{
+    g_autofree char *path = g_strdup_printf(SOBOX_SOURCE_DIR "/deploy/scenarios/%s.yaml", name);
+    size_t count = 0;
+    while (count < 4 && overrides[count] != NULL) {
+        count++;
+    }
+    struct scenario scenario;
+    struct error error = {0};
+    if (scenario_read_file(&scenario, path, overrides, count, &error) != STATUS_OK) {
+        fprintf(stderr, "%s\n", error.text);
+        exit(EXIT_FAILURE);
+    }
+    return scenario;
+}
+
+// ---- Designs ----
+
+// What random designs of a box did. The same designs whatever the scenario's settings.
+struct study_outcomes {
+    uint32_t designs;
+    uint32_t count;  // outcomes of a design
+    double *outcome; // (count x designs)
+};
+
+static struct study_outcomes study_evaluate(const struct scenario *scenario, const struct box *box,
+                                            uint32_t designs)
+{
+    const struct sampling sampling = {.seed = 7, .step = 1, .samples = designs};
+    struct model *model = model_create(scenario);
+    const uint32_t count = model_outcome_count(model);
+    const struct study_outcomes done = {
+        .designs = designs,
+        .count = count,
+        .outcome = g_new(double, (size_t)count *designs),
+    };
+#pragma omp parallel for schedule(dynamic)
+    for (uint32_t first = 0; first < designs; first += MODEL_BLOCK) {
+        const uint32_t block = MIN(designs - first, (uint32_t)MODEL_BLOCK);
+        g_autofree double *values = g_new(double, (size_t)box->count *MODEL_BLOCK);
+        g_autofree double *outcomes = g_new(double, (size_t)count *MODEL_BLOCK);
+        sampling_fill(&sampling, box, first, block, values, MODEL_BLOCK);
+        model_evaluate(model, block, values, outcomes);
+        for (uint32_t i = 0; i < count; i++) {
+            memcpy(done.outcome + (size_t)i * designs + first, outcomes + (size_t)i * MODEL_BLOCK,
+                   block * sizeof *outcomes);
+        }
+    }
+    model_free(model);
+    return done;
+}
+
+static bool study_is_good(const struct scenario *scenario, const struct study_outcomes *outcomes,
+                          uint32_t design)
+{
+    return batch_verdict(scenario, outcomes->outcome + design, outcomes->designs).violation ==
+           VERDICT_GOOD;
+}
+
+static bool study_differs(const struct study_outcomes *a, const struct study_outcomes *b,
+                          uint32_t design)
+{
+    for (uint32_t i = 0; i < a->count; i++) {
+        const size_t at = (size_t)i * a->designs + design;
+        if (memcmp(&a->outcome[at], &b->outcome[at], sizeof *a->outcome) != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Searches a scenario to its end; the caller frees the search, which owns the result's box.
+static struct search *study_search(const struct scenario *scenario, struct search_result *result)
+{
+    struct model *model = model_create(scenario);
+    struct search *search = search_create(scenario, 0, scenario->search.seed, STUDY_THREADS);
+    struct search_request request;
+    while (search_request(search, &request)) {
+        const struct batch batch = {
+            .sampling = request.sampling,
+            .count = request.sampling.samples,
+        };
+        g_autofree struct verdict *verdicts = g_new(struct verdict, batch.count);
+        batch_evaluate(scenario, model, request.box, &batch, STUDY_THREADS, verdicts);
+        search_complete(search, verdicts);
+    }
+    search_result(search, result);
+    model_free(model);
+    return search;
+}
+
+// ---- The rule of reloading ----
+
+// Prints how many designs of a box are good, how many have any other outcome under the other rule,
+// and how many become bad and good by it.
+static void reloading_cells(const struct scenario *thesis, const struct scenario *crushed,
+                            const struct box *box, uint32_t designs)
+{
+    struct study_outcomes before = study_evaluate(thesis, box, designs);
+    struct study_outcomes after = study_evaluate(crushed, box, designs);
+    uint32_t good = 0;
+    uint32_t other = 0;
+    uint32_t worse = 0;
+    uint32_t better = 0;
+    for (uint32_t i = 0; i < designs; i++) {
+        const bool was_good = study_is_good(thesis, &before, i);
+        const bool is_good = study_is_good(crushed, &after, i);
+        good += was_good;
+        other += study_differs(&before, &after, i);
+        worse += was_good && !is_good;
+        better += !was_good && is_good;
+    }
+    printf(" %u | %u | %u | %u |", good, other, worse, better);
+    g_free(before.outcome);
+    g_free(after.outcome);
+}
+
+static void reloading_row(const char *name, const char *response, uint32_t designs)
+{
+    g_autofree char *wanted = g_strdup_printf("response=%s", response);
+    struct scenario scenarios[2];
+    scenarios[0] = study_scenario(
+        name, (const char *const[4]){wanted, "simulation.reloading=thesis", NULL, NULL});
+    scenarios[1] = study_scenario(
+        name, (const char *const[4]){wanted, "simulation.reloading=crushed", NULL, NULL});
+    struct search_result found[2];
+    struct search *searches[2];
+    for (int rule = 0; rule < 2; rule++) {
+        searches[rule] = study_search(&scenarios[rule], &found[rule]);
+    }
+    printf("| %s, %s |", name, response);
+    reloading_cells(&scenarios[0], &scenarios[1], &scenarios[0].design_space, designs);
+    reloading_cells(&scenarios[0], &scenarios[1], found[0].box, designs);
+    printf(" %.2f | %.2f |\n", found[0].log_volume, found[1].log_volume);
+    fflush(stdout);
+    for (int rule = 0; rule < 2; rule++) {
+        search_free(searches[rule]);
+        scenario_fini(&scenarios[rule]);
+    }
+}
+
+static void study_reloading(uint32_t designs)
+{
+    printf("%u designs a box; \"other\" have any other outcome under `crushed`, \"worse\" are good "
+           "under `thesis` only, \"better\" under `crushed` only.\n\n"
+           "| scenario | design space: good | other | worse | better | box found: good | other "
+           "| worse | better | ln volume, thesis | crushed |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+           designs);
+    for (size_t i = 0; i < G_N_ELEMENTS(study_scenarios); i++) {
+        for (size_t j = 0; j < G_N_ELEMENTS(study_responses); j++) {
+            reloading_row(study_scenarios[i], study_responses[j], designs);
+        }
+    }
+}
+
+// ---- The program ----
+
+int main(int argc, char **argv)
+{
+    const char *study = argc > 1 ? argv[1] : "";
+    const uint32_t designs = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 4096;
+    if (designs == 0) {
+        fprintf(stderr, "crash_study: expected a number of designs, found %s\n", argv[2]);
+        return 2;
+    }
+    if (strcmp(study, "reloading") == 0) {
+        study_reloading(designs);
+        return 0;
+    }
+    fprintf(stderr, "expected: crash_study reloading|steps [DESIGNS]\n");
+    return 2;
+}
