@@ -103,6 +103,34 @@ finished_run_is_not_run_again()
     expect_said err 'done.*sobox-report run'
 }
 
+# What another version wrote may mean something else, and what it computed may have other bits.
+journal_of_another_schema_is_refused()
+{
+    _interrupted_run_of 'UPDATE meta SET schema = 99'
+    run 1 sobox-coordinator --resume run
+    expect_said err 'run/run\.db.*(schema|version) 99'
+    run 1 sobox-report run
+    expect_said err 'run/run\.db.*(schema|version) 99'
+}
+
+run_of_another_version_is_not_continued()
+{
+    _interrupted_run_of "UPDATE run SET version = '0.0.1-of-old'"
+    run 1 sobox-coordinator --resume run
+    expect_said err '0\.0\.1-of-old'
+    # Looking at it is another matter.
+    run 0 sobox-report run
+}
+
+_interrupted_run_of() # SQL that changes its journal
+{
+    start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
+    wait_for_steps run 1
+    press_ctrl_c coordinator
+    finish 130 coordinator
+    sqlite3 run/run.db "$1"
+}
+
 folder_without_a_run_cannot_be_resumed()
 {
     mkdir empty

@@ -47,6 +47,23 @@ run_that_goes_on_can_be_reported()
     finish 0 coordinator
 }
 
+# Beside a coordinator that writes step after step, and again and again: each report shows one moment
+# of the run and does not disturb it.
+run_in_full_swing_can_be_reported()
+{
+    run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
+    start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
+    local steps
+    for steps in 2 5 8; do
+        wait_for_steps run "$steps"
+        run 0 sobox-report run
+        [ "$(json run/result.json '$.searches[0].steps')" -ge "$steps" ] ||
+            fail "the report lacks steps: $(json run/result.json '$.searches[0].steps') of $steps"
+    done
+    finish 0 coordinator
+    expect_same_run calm run
+}
+
 _begins_with() # FILE BYTES
 {
     [ "$(head -c "${#2}" "$1")" = "$2" ] || fail "$1 is none: it begins with $(head -c 16 "$1")"
