@@ -18,6 +18,9 @@ static const char program_description[] =
     "  sobox-report runs/sedan-two-springs --png --pdf\n"
     "  sobox-report runs/any --compare runs/rotating --out comparison.svg\n"
     "  sobox-report runs/sedan-two-springs --normalise --out public.pdf\n"
+    "  sobox-report runs/masses --html masses.html\n"
+    "  sobox-report runs/masses --cases 'mass=1500,*,seed=1' --out light.svg\n"
+    "  sobox-report runs/masses --against mass,response --out map.png\n"
     "\n"
     "The gnuplot script stays beside the picture, under its name, with the data in it; edit it "
     "and\n"
@@ -29,6 +32,10 @@ struct options {
     char *directory;
     char *compare;
     char *out;
+    char *cases;
+    char *against;
+    char *markdown;
+    char *html;
     int search;
     gboolean normalise;
     gboolean png;
@@ -41,6 +48,10 @@ static void options_fini(struct options *options)
     g_free(options->directory);
     g_free(options->compare);
     g_free(options->out);
+    g_free(options->cases);
+    g_free(options->against);
+    g_free(options->markdown);
+    g_free(options->html);
 }
 
 // The format that a file's ending asks for; false when it is none of ours.
@@ -85,6 +96,9 @@ static enum status options_check(const struct options *options, struct error *er
     if (options->out != NULL && (options->png || options->pdf))
         return error_set(error, STATUS_INVALID,
                          "--out goes without --png and --pdf: its ending says the format");
+    if (options->out != NULL && options->cases != NULL && options->against != NULL)
+        return error_set(error, STATUS_INVALID,
+                         "--out takes one picture: expected it with --cases or with --against");
     enum status status = check_folder(options->directory, error);
     if (status == STATUS_OK && options->compare != NULL)
         status = check_folder(options->compare, error);
@@ -106,6 +120,16 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"pdf", 0, 0, G_OPTION_ARG_NONE, &options->pdf, "Draw corridors.pdf, too", NULL},
         {"out", 'o', 0, G_OPTION_ARG_FILENAME, &options->out,
          "Draw into this file only; its ending says the format", "FILE"},
+        {"cases", 0, 0, G_OPTION_ARG_STRING, &options->cases,
+         "Draw the corridors of a sweep's cases whose names match over each other, in cases.svg",
+         "PATTERN"},
+        {"against", 0, 0, G_OPTION_ARG_STRING, &options->against,
+         "Draw a sweep's log-volume against an axis, or over two as a map, in volume.svg",
+         "AXIS[,AXIS]"},
+        {"markdown", 0, 0, G_OPTION_ARG_FILENAME, &options->markdown,
+         "Write a report of a sweep, with its pictures beside it", "FILE"},
+        {"html", 0, 0, G_OPTION_ARG_FILENAME, &options->html,
+         "Write a report of a sweep as one file with its pictures in it", "FILE"},
         {"search", 's', 0, G_OPTION_ARG_INT, &options->search,
          "Draw this search of a sweep (default: 0)", "N"},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version", NULL},
@@ -163,6 +187,7 @@ static bool exports_due(const char *directory)
 
 // ---- pictures ----
 
+// Of a sweep its cases over each other, its volumes, or both; else the corridors of one search.
 static enum status draw(const struct options *options, enum report_format format,
                         struct error *error)
 {
@@ -171,7 +196,35 @@ static enum status draw(const struct options *options, enum report_format format
                                      .compare = options->compare,
                                      .normalise = options->normalise,
                                      .output = options->out};
-    return report_draw(options->directory, &plot, error);
+    if (options->cases == NULL && options->against == NULL)
+        return report_draw(options->directory, &plot, error);
+    enum status status = STATUS_OK;
+    if (options->cases != NULL)
+        status = report_draw_cases(options->directory, options->cases, &plot, error);
+    if (status == STATUS_OK && options->against != NULL)
+        status = report_draw_volume(options->directory, options->against, &plot, error);
+    return status;
+}
+
+static enum status write_document(const struct options *options, const char *path, bool html,
+                                  struct error *error)
+{
+    const struct report_document document = {
+        .path = path, .html = html, .cases = options->cases, .normalise = options->normalise};
+    enum status status = report_document(options->directory, &document, error);
+    if (status == STATUS_OK)
+        printf("%-12s %s\n", "written", path);
+    return status;
+}
+
+static enum status write_documents(const struct options *options, struct error *error)
+{
+    enum status status = STATUS_OK;
+    if (options->markdown != NULL)
+        status = write_document(options, options->markdown, false, error);
+    if (status == STATUS_OK && options->html != NULL)
+        status = write_document(options, options->html, true, error);
+    return status;
 }
 
 static enum status draw_all(const struct options *options, struct error *error)
@@ -195,6 +248,8 @@ static enum status report(const struct options *options, struct error *error)
         status = report_write(options->directory, error);
     if (status != STATUS_OK)
         return status;
+    if (options->markdown != NULL || options->html != NULL)
+        return write_documents(options, error);
     enum status drawn = draw_all(options, error);
     if (drawn == STATUS_INVALID)
         return drawn;

@@ -50,6 +50,33 @@ enum status report_write(const char *directory, struct error *error) MUST_USE;
 enum status report_draw(const char *directory, const struct report_plot *plot,
                         struct error *error) MUST_USE;
 
+// Draws the corridors of a sweep's cases whose names match `pattern` (with * ? []) over each other,
+// at most eight; into cases.FORMAT unless `plot` says otherwise, of which search and compare are
+// not looked at. Errors: STATUS_INVALID (no sweep; none matches, or too many; no springs), and
+// those of report_draw().
+enum status report_draw_cases(const char *directory, const char *pattern,
+                              const struct report_plot *plot, struct error *error) MUST_USE;
+
+// Draws the log-volume of a sweep against an axis as lines ("vehicle.mass"), or two as a heat map
+// ("vehicle.mass,response"), into volume.FORMAT. An axis may be named by its last key. Errors:
+// STATUS_INVALID (no sweep, no such axis, no corridors yet), and those of report_draw().
+enum status report_draw_volume(const char *directory, const char *against,
+                               const struct report_plot *plot, struct error *error) MUST_USE;
+
+// A sweep as a document for people.
+struct report_document {
+    const char *path;  // of the file to write
+    bool html;         // one file with its pictures in it; else Markdown, with pictures beside it
+    const char *cases; // pattern of those whose corridors are drawn, at most eight; NULL: the best
+                       // seed of each case, the first eight
+    bool normalise;    // of corridors
+};
+
+// Writes tables of the cases, log-volume against the axes, and corridors. Errors: STATUS_INVALID
+// (no sweep; no case matches, or too many), and those of report_draw().
+enum status report_document(const char *directory, const struct report_document *document,
+                            struct error *error) MUST_USE;
+
 // Prints the corridors, the purity with its bound, the cost and the files to `out`; of a sweep one
 // line a search. Errors: STATUS_IO, and those of journal_open().
 enum status report_print(const char *directory, FILE *out, struct error *error) MUST_USE;

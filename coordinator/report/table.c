@@ -249,8 +249,9 @@ static enum status print_lines(const struct run_data *data, FILE *out, struct er
 static void print_files(const char *directory, FILE *out)
 {
     static const char *const NAMES[] = {
-        "corridors.svg", "corridors.png", "corridors.pdf", "corridors.gp", "corridors.csv",
-        "history.csv",   "summary.csv",   "result.json",   "run.db",
+        "corridors.svg", "corridors.png", "corridors.pdf", "corridors.gp",
+        "corridors.csv", "history.csv",   "summary.csv",   "result.json",
+        "cases.svg",     "volume.svg",    "run.db",
     };
     const char *label = "files";
     for (size_t i = 0; i < G_N_ELEMENTS(NAMES); i++) {

@@ -60,10 +60,10 @@ sweep_killed_in_its_middle_resumes_to_the_same_rows()
 {
     _write_sweep 8
     run 0 sobox-coordinator sweep.yaml --out calm
-    local done
+    local count
     start coordinator sobox-coordinator sweep.yaml --out run --threads 1
-    for done in 1 5 9; do
-        wait_until "$done searches are done" _has_done run "$done"
+    for count in 1 5 9; do
+        wait_until "$count searches are done" _has_done run "$count"
         signal KILL coordinator
         finish 137 coordinator
         start coordinator sobox-coordinator --resume run --threads 2
@@ -189,4 +189,30 @@ sweep_options_want_a_sweep()
     expect_said err 'vehicle\.mass is changed by the sweep'
     run 2 sobox-coordinator sweep.yaml --resume runs/masses
     expect_no runs
+}
+
+# What a colleague is sent: one HTML file, or Markdown with its pictures.
+sweep_is_reported_with_tables_and_pictures()
+{
+    _write_sweep 2
+    sed -i '/vehicle.mass/a\  - {path: response, values: [any, glancing_off]}' sweep.yaml
+    run 0 sobox-coordinator sweep.yaml --out run
+    expect_files run/summary.csv run/result.json run/history.csv
+    expect_equal "$(wc -l <run/summary.csv)" 9 'lines of summary.csv'
+    run 0 sobox-report run --html report.html --markdown report.md
+    expect_files report.html report.md report-1.svg report-2.svg report-3.svg
+    expect_equal "$(grep -c '<svg' report.html)" 3 'pictures of the report'
+    expect_said report.md '^\| 1500 \| any \| 2 \| 2 \|'
+    run 0 sobox-report run --against mass
+    run 0 sobox-report run --against mass,response --out map.png
+    run 0 sobox-report run --cases '*,seed=1' --out cases.pdf
+    expect_files run/volume.svg run/volume.gp map.png cases.pdf
+    run 2 sobox-report run --cases 'weight*'
+    expect_said err "names like 'mass=1500,response=any,seed=1'"
+    run 2 sobox-report run --against weight
+    expect_said err 'vehicle.mass, response, search.seed'
+    run 0 sobox-coordinator "$scenario" --out single
+    run 2 sobox-report single --html no.html
+    expect_said err 'not a sweep'
+    expect_no no.html
 }
