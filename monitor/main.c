@@ -6,6 +6,7 @@
 #include "monitor/feed/feed.h"
 #include "monitor/http/http.h"
 #include "monitor/terminal/lines.h"
+#include "monitor/terminal/screen.h"
 #include "monitor/texts/texts.h"
 #include "monitor/watch/watch.h"
 
@@ -17,9 +18,9 @@
 #include <unistd.h>
 
 static const char program_summary[] =
-    "Shows the runs and workers heard on an LCM network: a line a run and a second, and with\n"
-    "--http a page for browsers. It only listens: any number of monitors may be started and\n"
-    "stopped at any time.";
+    "Shows the runs and workers heard on an LCM network: on a full screen, or where there is no\n"
+    "terminal a line a run and a second, and with --http on a page for browsers. It only\n"
+    "listens: any number of monitors may be started and stopped at any time.";
 
 static const char program_description[] =
     "Examples:\n"
@@ -37,6 +38,7 @@ struct options {
     char *http;
     char *key_file;
     gboolean json;
+    gboolean plain;
     gboolean quiet;
     gboolean version;
 };
@@ -49,6 +51,7 @@ struct monitor {
     struct picture_view view;
     char instance[17];
     struct http *http;
+    struct screen *screen; // NULL: lines are printed, or nothing
     GMainLoop *loop;
     gboolean silence_said;
 };
@@ -66,6 +69,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"http", 'w', 0, G_OPTION_ARG_STRING, &options->http,
          "Serve a page for browsers, for instance at 127.0.0.1:8765", "ADDRESS:PORT"},
         {"json", 'j', 0, G_OPTION_ARG_NONE, &options->json, "One JSON object a second", NULL},
+        {"plain", 'p', 0, G_OPTION_ARG_NONE, &options->plain, "Lines, also on a terminal", NULL},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print nothing but errors", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
@@ -119,7 +123,7 @@ static gboolean second(gpointer user)
     const int64_t now_ns = clock_monotonic_ns();
     watch_count(monitor->watch, now_ns);
     feed_tick(&monitor->feed, now_ns);
-    if (!monitor->options.quiet)
+    if (!monitor->options.quiet && monitor->screen == NULL)
         show_lines(monitor, now_ns);
     return G_SOURCE_CONTINUE;
 }
@@ -171,6 +175,16 @@ static gboolean stop(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
+// Notes would stand across the screen; what matters of them is among the problems it shows.
+static void show_start(struct monitor *monitor)
+{
+    if (monitor->options.json || monitor->options.plain || monitor->options.quiet)
+        return;
+    monitor->screen = screen_start(&monitor->feed, monitor->options.url, stop, monitor);
+    if (monitor->screen != NULL)
+        log_start("sobox-monitor", LOG_QUIET);
+}
+
 static enum status run(struct monitor *monitor, struct error *error)
 {
     struct key *key = NULL;
@@ -185,12 +199,14 @@ static enum status run(struct monitor *monitor, struct error *error)
     if (status == STATUS_OK) {
         g_unix_signal_add(SIGINT, stop, monitor);
         g_unix_signal_add(SIGTERM, stop, monitor);
+        show_start(monitor);
         if (!monitor->options.quiet)
             g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
         g_timeout_add(1000, second, monitor);
         g_main_loop_run(monitor->loop);
         second(monitor);
     }
+    screen_stop(monitor->screen);
     http_stop(monitor->http);
     watch_stop(monitor->watch);
     key_free(key);

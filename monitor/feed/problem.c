@@ -167,6 +167,11 @@ static void about_monitor(GArray *problems, const struct feed *feed)
         add(problems, PROBLEM_FOREIGN_PROTOCOL, 0,
             "%" PRIu64 " messages are of another version of sobox and are not shown",
             feed->own.foreign);
+    if (feed->own.unopened > 0)
+        add(problems, PROBLEM_OTHER_KEY, 0,
+            "%" PRIu64 " messages are sealed with another key than this monitor's, or with none, "
+            "and are not shown: see --key-file",
+            feed->own.unopened);
 }
 
 GArray *problem_list(const struct feed *feed, int64_t now_ns)

@@ -15,6 +15,7 @@
     X(PROBLEM_MESSAGES_LOST, "messages_lost")           \
     X(PROBLEM_DATAGRAMS_DROPPED, "datagrams_dropped")   \
     X(PROBLEM_FOREIGN_PROTOCOL, "foreign_protocol")     \
+    X(PROBLEM_OTHER_KEY, "other_key")                   \
     X(PROBLEM_MONITOR_DEAF, "monitor_misses_messages")
 
 enum problem_kind {
