@@ -30,7 +30,7 @@ static const struct check_kind kinds[WIRE_KIND_COUNT] = {
     [WIRE_WORKER_STATUS] = {"SOBOX_WORKER", 2, 177, 0, 0},
     [WIRE_RUN_STATUS] = {"SOBOX_RUN", 2, 193, 0, 0},
     [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 98, 8, COUNT_MAX(98, 8)},
-    [WIRE_HAIL] = {"SOBOX_HAIL", 2, 72, 0, 0},
+    [WIRE_HAIL] = {"SOBOX_HAIL", 2, 88, 0, 0},
 };
 
 const struct check_kind *check_kind(enum wire_kind kind)
@@ -177,8 +177,7 @@ static bool search_status_ok(const sobox_search_status_t *m)
 
 static bool hail_ok(const sobox_hail_t *m)
 {
-    (void)m; // any challenge, any echo, and whoever is asked
-    return true;
+    return m->age_ns >= 0 && m->floor >= 0; // whatever the challenges, whoever is asked
 }
 
 bool check_fields(enum wire_kind kind, const void *message)

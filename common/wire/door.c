@@ -6,21 +6,14 @@
 #include <sodium.h>
 #include <string.h>
 
-enum { SEQUENCE_PLACE = 12 }; // of header.sequence in an encoded message
-
-// Kinds that tell how things are now. A batch or a text is answered or sent again anyway.
-static bool is_state(enum wire_kind kind)
-{
-    return kind == WIRE_WORKER_STATUS || kind == WIRE_RUN_STATUS || kind == WIRE_SEARCH_STATUS;
-}
-
 struct door *door_create(const struct wire *wire)
 {
     struct door *door = g_new0(struct door, 1);
-    door->fresh = fresh_create();
+    int64_t now_ns = clock_monotonic_ns();
+    door->fresh = fresh_create(now_ns);
     door->origin.sender = wire->sender;
     randombytes_buf(&door->origin.salt, sizeof door->origin.salt);
-    fresh_prove(door->fresh, &door->origin); // to itself
+    fresh_prove(door->fresh, &door->origin, 0, now_ns); // to itself
     return door;
 }
 
@@ -28,58 +21,65 @@ void door_free(struct door *door)
 {
     if (door == NULL)
         return;
-    for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++)
-        if (door->states[kind] != NULL)
-            g_byte_array_unref(door->states[kind]);
     fresh_free(door->fresh);
     g_free(door);
 }
 
 // ---- Out ----
 
-static void remember(struct door *door, enum wire_kind kind, const uint8_t *message, size_t size)
+static void note_moment(struct door *door, int64_t now_ns)
 {
-    if (door->states[kind] == NULL)
-        door->states[kind] = g_byte_array_new();
-    g_byte_array_set_size(door->states[kind], 0);
-    g_byte_array_append(door->states[kind], message, (guint)size);
+    const struct door_moment *last = &door->moments[(door->moment_count - 1) % DOOR_MOMENTS_MAX];
+    if (door->moment_count > 0 && now_ns - last->sent_ns < DOOR_MOMENT_NS)
+        return;
+    door->moments[door->moment_count++ % DOOR_MOMENTS_MAX] =
+        (struct door_moment){.sent_ns = now_ns, .before = door->origin.number};
+}
+
+// The number of the last message that may have been sent before `since_ns`. Rather too great a one:
+// what is between two moments counts as old as the first of them.
+static uint64_t number_before(const struct door *door, int64_t since_ns)
+{
+    size_t count = door->moment_count;
+    size_t first = count > DOOR_MOMENTS_MAX ? count - DOOR_MOMENTS_MAX : 0;
+    for (size_t i = first; i < count; i++)
+        if (door->moments[i % DOOR_MOMENTS_MAX].sent_ns >= since_ns)
+            return door->moments[i % DOOR_MOMENTS_MAX].before;
+    return door->origin.number;
 }
 
 void door_seal(struct wire *wire, enum wire_kind kind, size_t size)
 {
     struct door *door = wire->door;
-    if (is_state(kind))
-        remember(door, kind, wire->packet + SEAL_HEAD_SIZE, size);
+    note_moment(door, clock_monotonic_ns());
     door->origin.number++;
     seal_close(wire->packet, size, check_kind(kind)->channel, wire->key, WIRE_PROTOCOL,
                &door->origin);
 }
 
-// Says again how things were when they were last told, as a new message.
-static void restate(struct wire *wire)
+// Says the own challenge: to ask somebody, or with the answer to a question.
+static void hail(struct wire *wire, sobox_hail_t *message, int64_t now_ns)
 {
-    for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++) {
-        const GByteArray *state = wire->door->states[kind];
-        if (state == NULL)
-            continue;
-        uint32_t sequence = wire->slots[kind].sequence++;
-        uint8_t *message = wire->packet + SEAL_HEAD_SIZE;
-        size_t size = state->len;
-        memcpy(message, state->data, size);
-        for (int i = 0; i < 4; i++)
-            message[SEQUENCE_PLACE + i] = (uint8_t)(sequence >> (24 - 8 * i));
-        door_seal(wire, kind, size);
-        (void)!wire_send(wire, kind, size + SEAL_SIZE);
-    }
+    const struct fresh *fresh = wire->door->fresh;
+    memcpy(message->challenge, fresh_challenge(fresh), FRESH_CHALLENGE_SIZE);
+    message->age_ns = fresh_age_ns(fresh, now_ns);
+    (void)!wire_publish(wire, WIRE_HAIL, message);
 }
 
-static void hail(struct wire *wire, uint64_t asked, const uint8_t *echo)
+static void ask(struct wire *wire, int64_t now_ns)
 {
-    sobox_hail_t message = {.asked = (int64_t)asked};
-    memcpy(message.challenge, fresh_challenge(wire->door->fresh), FRESH_CHALLENGE_SIZE);
-    if (echo != NULL)
-        memcpy(message.echo, echo, FRESH_CHALLENGE_SIZE);
-    (void)!wire_publish(wire, WIRE_HAIL, &message);
+    uint64_t sender;
+    while ((sender = fresh_ask(wire->door->fresh, now_ns)) != 0)
+        hail(wire, &(sobox_hail_t){.asked = (int64_t)sender}, now_ns);
+}
+
+static void answer(struct wire *wire, const sobox_hail_t *question, int64_t now_ns)
+{
+    // A challenge older than this machine's clock is as old as that.
+    int64_t since_ns = now_ns - MIN(question->age_ns, now_ns) - DOOR_SLACK_NS;
+    sobox_hail_t message = {.floor = (int64_t)number_before(wire->door, since_ns)};
+    memcpy(message.echo, question->challenge, FRESH_CHALLENGE_SIZE);
+    hail(wire, &message, now_ns);
 }
 
 // ---- In ----
@@ -108,12 +108,10 @@ static void take_hail(struct wire *wire, const sobox_hail_t *message,
 {
     struct door *door = wire->door;
     if (memcmp(message->echo, fresh_challenge(door->fresh), FRESH_CHALLENGE_SIZE) == 0)
-        fresh_prove(door->fresh, origin);
+        fresh_prove(door->fresh, origin, (uint64_t)message->floor, now_ns);
     if ((uint64_t)message->asked == wire->sender &&
-        to_be_answered(door, message->challenge, now_ns)) {
-        hail(wire, 0, message->challenge);
-        restate(wire);
-    }
+        to_be_answered(door, message->challenge, now_ns))
+        answer(wire, message, now_ns);
 }
 
 static void reject_old(struct wire *wire)
@@ -142,9 +140,8 @@ static void hold(struct wire_slot *slot, const uint8_t *bytes, size_t size,
 {
     struct wire *wire = slot->wire;
     int64_t now_ns = clock_monotonic_ns();
-    if (fresh_hold(wire->door->fresh, slot->kind, origin, bytes, size, now_ns))
-        hail(wire, origin->sender, NULL);
-    door_expire(wire);
+    fresh_hold(wire->door->fresh, slot->kind, origin, bytes, size, now_ns);
+    door_tick(wire, now_ns);
 }
 
 static void judge(struct wire_slot *slot, const uint8_t *bytes, size_t size,
@@ -191,12 +188,18 @@ void door_receive(struct wire_slot *slot, const uint8_t *packet, size_t size)
     }
 }
 
-void door_expire(struct wire *wire)
+int64_t door_wake_ns(const struct wire *wire)
+{
+    return fresh_wake_ns(wire->door->fresh);
+}
+
+void door_tick(struct wire *wire, int64_t now_ns)
 {
     struct fresh *fresh = wire->door->fresh;
-    fresh_expire(fresh, clock_monotonic_ns());
+    ask(wire, now_ns);
+    fresh_expire(fresh, now_ns);
     uint64_t refused = fresh_refused(fresh), before = wire->counters.unproven;
     wire->counters.unproven = refused;
     wire->counters.rejected += refused - before;
-    stranger_heard(&wire->strangers, STRANGER_SILENT, refused - before, clock_monotonic_ns());
+    stranger_heard(&wire->strangers, STRANGER_SILENT, refused - before, now_ns);
 }

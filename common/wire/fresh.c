@@ -34,10 +34,12 @@ struct waiting {
 
 struct fresh {
     uint8_t challenge[FRESH_CHALLENGE_SIZE];
+    int64_t drawn_ns;   // the challenge was
     GHashTable *proven; // struct name -> struct proven, owned
     GQueue order;       // the proven, last heard first
     struct waiting waiting[FRESH_WAITING_MAX];
-    GQueue released; // of struct fresh_message, owned
+    unsigned holding; // of the waiting, those with held messages
+    GQueue released;  // of struct fresh_message, owned
     size_t held_bytes;
     uint64_t refused;
 };
@@ -59,10 +61,16 @@ static struct name name_of(const struct seal_origin *origin)
     return (struct name){.sender = origin->sender, .salt = origin->salt};
 }
 
-struct fresh *fresh_create(void)
+static void draw_challenge(struct fresh *fresh, int64_t now_ns)
+{
+    randombytes_buf(fresh->challenge, sizeof fresh->challenge);
+    fresh->drawn_ns = now_ns;
+}
+
+struct fresh *fresh_create(int64_t now_ns)
 {
     struct fresh *fresh = g_new0(struct fresh, 1);
-    randombytes_buf(fresh->challenge, sizeof fresh->challenge);
+    draw_challenge(fresh, now_ns);
     fresh->proven = g_hash_table_new_full(name_hash, name_equal, NULL, g_free);
     return fresh;
 }
@@ -81,6 +89,11 @@ void fresh_free(struct fresh *fresh)
 const uint8_t *fresh_challenge(const struct fresh *fresh)
 {
     return fresh->challenge;
+}
+
+int64_t fresh_age_ns(const struct fresh *fresh, int64_t now_ns)
+{
+    return now_ns - fresh->drawn_ns;
 }
 
 uint64_t fresh_refused(const struct fresh *fresh)
@@ -130,6 +143,7 @@ static void drop_front(struct fresh *fresh, struct waiting *waiting)
 {
     struct fresh_message *message = g_queue_pop_head(&waiting->held);
     fresh->held_bytes -= message->size;
+    fresh->holding -= g_queue_is_empty(&waiting->held);
     fresh->refused++;
     g_free(message);
 }
@@ -167,11 +181,12 @@ static void keep(struct fresh *fresh, struct waiting *waiting, const struct fres
     struct fresh_message *message = g_malloc(sizeof *message + head->size);
     *message = *head;
     memcpy(message->bytes, bytes, head->size);
+    fresh->holding += g_queue_is_empty(&waiting->held);
     g_queue_push_tail(&waiting->held, message);
     fresh->held_bytes += head->size;
 }
 
-bool fresh_hold(struct fresh *fresh, enum wire_kind kind, const struct seal_origin *origin,
+void fresh_hold(struct fresh *fresh, enum wire_kind kind, const struct seal_origin *origin,
                 const uint8_t *bytes, size_t size, int64_t now_ns)
 {
     struct name name = name_of(origin);
@@ -183,15 +198,38 @@ bool fresh_hold(struct fresh *fresh, enum wire_kind kind, const struct seal_orig
     const struct fresh_message head = {
         .origin = *origin, .kind = kind, .held_ns = now_ns, .size = size};
     keep(fresh, waiting, &head, bytes);
-    if (now_ns - waiting->asked_ns < FRESH_ASK_NS)
-        return false;
-    waiting->asked_ns = now_ns;
-    return true;
+}
+
+uint64_t fresh_ask(struct fresh *fresh, int64_t now_ns)
+{
+    for (unsigned i = 0; i < FRESH_WAITING_MAX && fresh->holding > 0; i++) {
+        struct waiting *waiting = &fresh->waiting[i];
+        if (g_queue_is_empty(&waiting->held) || now_ns - waiting->asked_ns < FRESH_ASK_NS)
+            continue;
+        waiting->asked_ns = now_ns;
+        return waiting->name.sender;
+    }
+    return 0;
+}
+
+int64_t fresh_wake_ns(const struct fresh *fresh)
+{
+    int64_t wake_ns = INT64_MAX;
+    for (unsigned i = 0; i < FRESH_WAITING_MAX && fresh->holding > 0; i++) {
+        const struct waiting *waiting = &fresh->waiting[i];
+        if (waiting->held.head == NULL)
+            continue;
+        const struct fresh_message *first = waiting->held.head->data;
+        int64_t ask_ns = waiting->asked_ns + FRESH_ASK_NS;
+        int64_t end_ns = first->held_ns + FRESH_PATIENCE_NS;
+        wake_ns = MIN(wake_ns, MIN(ask_ns, end_ns));
+    }
+    return wake_ns;
 }
 
 void fresh_expire(struct fresh *fresh, int64_t now_ns)
 {
-    for (unsigned i = 0; i < FRESH_WAITING_MAX; i++) {
+    for (unsigned i = 0; i < FRESH_WAITING_MAX && fresh->holding > 0; i++) {
         struct waiting *waiting = &fresh->waiting[i];
         const struct fresh_message *first;
         while ((first = g_queue_peek_head(&waiting->held)) != NULL &&
@@ -202,19 +240,20 @@ void fresh_expire(struct fresh *fresh, int64_t now_ns)
 
 // ---- Proof ----
 
-static void forget_oldest(struct fresh *fresh)
+static void forget_oldest(struct fresh *fresh, int64_t now_ns)
 {
     struct proven *oldest = g_queue_peek_tail(&fresh->order);
     g_queue_unlink(&fresh->order, &oldest->link);
     g_hash_table_remove(fresh->proven, &oldest->name);
     // Its proof was recorded perhaps: it must not count a second time.
-    randombytes_buf(fresh->challenge, sizeof fresh->challenge);
+    draw_challenge(fresh, now_ns);
 }
 
-// What was sent before the proof is no offence, only of unknown age: it goes without being counted.
+// What is older than the receiver is no offence: it goes without being counted.
 static void release_held(struct fresh *fresh, struct waiting *waiting, uint64_t floor)
 {
     struct fresh_message *message;
+    fresh->holding -= !g_queue_is_empty(&waiting->held);
     while ((message = g_queue_pop_head(&waiting->held)) != NULL) {
         fresh->held_bytes -= message->size;
         if (message->origin.number > floor)
@@ -225,19 +264,21 @@ static void release_held(struct fresh *fresh, struct waiting *waiting, uint64_t 
     *waiting = (struct waiting){.held = G_QUEUE_INIT};
 }
 
-void fresh_prove(struct fresh *fresh, const struct seal_origin *origin)
+void fresh_prove(struct fresh *fresh, const struct seal_origin *origin, uint64_t floor,
+                 int64_t now_ns)
 {
     struct name name = name_of(origin);
     if (g_hash_table_contains(fresh->proven, &name))
         return;
     if (g_hash_table_size(fresh->proven) >= FRESH_PROVEN_MAX)
-        forget_oldest(fresh);
+        forget_oldest(fresh, now_ns);
     struct proven *proven = g_new0(struct proven, 1);
     proven->name = name;
     proven->link.data = proven;
-    proven->floor = origin->number;
+    proven->floor = MIN(floor, origin->number);
     for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++)
-        proven->windows[kind].greatest = origin->number;
+        proven->windows[kind].greatest = proven->floor;
+    window_take(&proven->windows[WIRE_HAIL], origin->number);
     g_hash_table_insert(fresh->proven, &proven->name, proven);
     g_queue_push_head_link(&fresh->order, &proven->link);
     struct waiting *waiting = find_waiting(fresh, &name);

@@ -1,5 +1,7 @@
 #include "common/wire/source.h"
 
+#include "common/base/clock.h"
+#include "common/wire/door.h"
 #include "common/wire/wire_state.h"
 
 // Messages handled before other sources get their turn.
@@ -12,9 +14,24 @@ struct wire_source {
     size_t tag_count;
 };
 
+// A wire with a key asks again, in time, who has not answered.
+static gboolean wait_for(GSource *base, gint *timeout_ms)
+{
+    const struct wire *wire = ((struct wire_source *)base)->wire;
+    int64_t wake_ns = wire->door != NULL ? door_wake_ns(wire) : INT64_MAX;
+    *timeout_ms = -1;
+    if (wake_ns != INT64_MAX) {
+        int64_t left_ns = MAX(wake_ns - clock_monotonic_ns(), 0);
+        *timeout_ms = (gint)((left_ns + CLOCK_MILLISECOND_NS - 1) / CLOCK_MILLISECOND_NS);
+    }
+    return *timeout_ms == 0;
+}
+
 static gboolean has_arrived(GSource *base)
 {
     struct wire_source *source = (struct wire_source *)base;
+    if (source->wire->door != NULL && door_wake_ns(source->wire) <= clock_monotonic_ns())
+        return TRUE;
     for (size_t i = 0; i < source->tag_count; i++)
         if (g_source_query_unix_fd(base, source->tags[i]) != 0)
             return TRUE;
@@ -30,7 +47,7 @@ static gboolean dispatch(GSource *base, GSourceFunc callback, gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static GSourceFuncs functions = {.check = has_arrived, .dispatch = dispatch};
+static GSourceFuncs functions = {.prepare = wait_for, .check = has_arrived, .dispatch = dispatch};
 
 void wire_source_attach(struct wire *wire)
 {

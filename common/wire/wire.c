@@ -291,6 +291,8 @@ size_t wire_dispatch(struct wire *wire, size_t limit)
     assert(!wire->dispatching);
     size_t handled = 0, round = 1;
     wire->dispatching = true;
+    if (wire->door != NULL)
+        door_tick(wire, clock_monotonic_ns());
     while (handled < limit && round > 0) {
         round = handle_round(wire, limit - handled);
         handled += round;
@@ -451,7 +453,7 @@ void wire_counters(struct wire *wire, struct wire_counters *counters)
     for (unsigned i = 0; i < WIRE_PORT_COUNT; i++)
         count_dropped(wire, &wire->ports[i]);
     if (wire->door != NULL)
-        door_expire(wire);
+        door_tick(wire, clock_monotonic_ns());
     wire->counters.lost = sequence_lost(wire->heard);
     *counters = wire->counters;
 }

@@ -74,7 +74,8 @@ static void give_message(struct wire *wire, enum wire_kind kind, void *message, 
 
 static void give_hail(struct wire *wire, uint8_t flags, uint64_t sender, uint64_t number)
 {
-    sobox_hail_t hail = {.header = {.protocol = WIRE_PROTOCOL, .sender = (int64_t)sender},
+    sobox_hail_t hail = {.floor = flags >> 2,
+                         .header = {.protocol = WIRE_PROTOCOL, .sender = (int64_t)sender},
                          .challenge = {(uint8_t)sender, flags},
                          .asked = (flags & 1) != 0 ? OWN : 0};
     if ((flags & 2) != 0)

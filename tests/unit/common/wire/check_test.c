@@ -247,6 +247,8 @@ static void fields_out_of_range_are_rejected(void **state)
     SEARCH(log_volume, NAN);
     SEARCH(log_volume, 1e-9);
     SEARCH(purity_lower95, -0.1);
+    REFUSED(WIRE_HAIL, hail, age_ns, -1);
+    REFUSED(WIRE_HAIL, hail, floor, -1);
 }
 
 // Boxes that would poison a search: not finite, upside down, or with half a bound.

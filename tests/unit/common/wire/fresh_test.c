@@ -12,7 +12,7 @@ static struct fresh *fresh;
 static int with_fresh(void **state)
 {
     (void)state;
-    fresh = fresh_create();
+    fresh = fresh_create(0);
     return 0;
 }
 
@@ -34,17 +34,28 @@ static enum fresh_result hear(uint64_t sender, uint64_t number)
     return hear_kind(WIRE_OUTCOME_BATCH, sender, number);
 }
 
-static void prove(uint64_t sender, uint64_t number)
+// By a message of this number, which says that those up to `floor` are older than the receiver.
+static void prove_from(uint64_t sender, uint64_t number, uint64_t floor)
 {
-    fresh_prove(fresh, &(struct seal_origin){.sender = sender, .salt = 5, .number = number});
+    fresh_prove(fresh, &(struct seal_origin){.sender = sender, .salt = 5, .number = number}, floor,
+                1000);
 }
 
+static void prove(uint64_t sender, uint64_t number)
+{
+    prove_from(sender, number, number);
+}
+
+// Returns whether the sender is to be asked now.
 static bool hold(uint64_t sender, uint64_t number, int64_t now_ns)
 {
     const uint8_t bytes[2] = {(uint8_t)sender, (uint8_t)number};
-    return fresh_hold(fresh, WIRE_OUTCOME_BATCH,
-                      &(struct seal_origin){.sender = sender, .salt = 5, .number = number}, bytes,
-                      sizeof bytes, now_ns);
+    fresh_hold(fresh, WIRE_OUTCOME_BATCH,
+               &(struct seal_origin){.sender = sender, .salt = 5, .number = number}, bytes,
+               sizeof bytes, now_ns);
+    uint64_t asked = fresh_ask(fresh, now_ns);
+    assert_true(asked == 0 || asked == sender);
+    return asked == sender;
 }
 
 // The number of the next message released, 0 when there is none.
@@ -70,15 +81,19 @@ static void unknown_sender_is_unproven(void **state)
     assert_int_equal(hear(1, 1000), FRESH_UNPROVEN);
 }
 
-// What was sent before the proof may be from before this receiver began.
-static void only_what_follows_the_proof_is_new(void **state)
+// What is not above the floor is older than this receiver.
+static void only_what_is_above_the_floor_is_new(void **state)
 {
     (void)state;
-    prove(1, 10);
-    assert_int_equal(hear(1, 9), FRESH_OLD);
-    assert_int_equal(hear(1, 10), FRESH_OLD);
+    prove_from(1, 10, 7);
+    assert_int_equal(hear(1, 6), FRESH_OLD);
+    assert_int_equal(hear(1, 7), FRESH_OLD);
+    assert_int_equal(hear(1, 8), FRESH_NEW);
     assert_int_equal(hear(1, 11), FRESH_NEW);
     assert_int_equal(hear(2, 11), FRESH_UNPROVEN);
+    // The proof itself has been heard.
+    assert_int_equal(hear_kind(WIRE_HAIL, 1, 10), FRESH_OLD);
+    assert_int_equal(hear_kind(WIRE_HAIL, 1, 9), FRESH_NEW);
 }
 
 static void each_number_is_taken_once(void **state)
@@ -173,32 +188,54 @@ static void second_proof_changes_nothing(void **state)
     assert_int_equal(hear(1, 5), FRESH_OLD);
 }
 
-// An unknown sender is asked at once, so that a search need not wait, and then at intervals.
+// An unknown sender is asked at once, so that a search need not wait, and again as long as
+// something of it is held: questions and answers are lost like all messages.
 static void unknown_sender_is_asked_at_once_and_again(void **state)
 {
     (void)state;
+    assert_int_equal(fresh_wake_ns(fresh), INT64_MAX);
     assert_true(hold(1, 1, 0));
     assert_false(hold(1, 2, 1 * MS));
-    assert_true(hold(2, 1, 1 * MS));
-    assert_false(hold(1, 3, 99 * MS));
-    assert_true(hold(1, 4, 100 * MS));
-    assert_false(hold(1, 5, 150 * MS));
-    assert_true(hold(1, 6, 200 * MS));
+    assert_int_equal(fresh_wake_ns(fresh), FRESH_ASK_NS);
+    assert_int_equal(fresh_ask(fresh, FRESH_ASK_NS - 1), 0);
+    assert_int_equal(fresh_ask(fresh, FRESH_ASK_NS), 1);
+    assert_int_equal(fresh_ask(fresh, FRESH_ASK_NS), 0);
+    assert_int_equal(fresh_wake_ns(fresh), 2 * FRESH_ASK_NS);
+    prove(1, 3);
+    assert_int_equal(fresh_wake_ns(fresh), INT64_MAX);
+    assert_int_equal(fresh_ask(fresh, 3 * FRESH_ASK_NS), 0);
 }
 
-// What was sent after the proof can arrive before it, on another port; the rest is of unknown age.
-static void held_messages_that_follow_the_proof_are_released(void **state)
+// Nobody asks for ever: with the last message held the questions end.
+static void questions_end_with_what_is_held(void **state)
+{
+    (void)state;
+    int64_t now_ns;
+    unsigned asked = 0;
+    hold(1, 1, 0);
+    while ((now_ns = fresh_wake_ns(fresh)) != INT64_MAX) {
+        assert_true(now_ns <= FRESH_PATIENCE_NS);
+        asked += fresh_ask(fresh, now_ns) == 1;
+        fresh_expire(fresh, now_ns);
+    }
+    assert_int_equal(asked, FRESH_PATIENCE_NS / FRESH_ASK_NS);
+    assert_int_equal(fresh_refused(fresh), 1);
+}
+
+// What was held is handed on as far as it is younger than the receiver.
+static void held_messages_above_the_floor_are_released(void **state)
 {
     (void)state;
     hold(1, 40, 0);
     hold(1, 43, 0);
     hold(1, 42, 0);
-    hold(1, 44, 0);
+    hold(1, 46, 0);
     hold(2, 90, 0);
     assert_int_equal(released(), 0);
-    prove(1, 42);
+    prove_from(1, 45, 41);
     assert_int_equal(released(), 43);
-    assert_int_equal(released(), 44);
+    assert_int_equal(released(), 42);
+    assert_int_equal(released(), 46);
     assert_int_equal(released(), 0);
     assert_int_equal(fresh_refused(fresh), 0); // of a sender that is there
     assert_int_equal(hear(1, 43), FRESH_NEW);
@@ -254,6 +291,7 @@ static void forgotten_sender_must_prove_itself_anew(void **state)
     assert_int_equal(hear(1, 1), FRESH_NEW); // now the second is the oldest
     prove(FRESH_PROVEN_MAX + 1, 0);
     assert_memory_not_equal(before, fresh_challenge(fresh), sizeof before);
+    assert_int_equal(fresh_age_ns(fresh, 1500), 500); // what is older than it counts as old now
     assert_int_equal(hear(2, 1), FRESH_UNPROVEN);
     assert_int_equal(hear(1, 1), FRESH_OLD);
     assert_int_equal(hear(FRESH_PROVEN_MAX + 1, 1), FRESH_NEW);
@@ -263,7 +301,7 @@ static void forgotten_sender_must_prove_itself_anew(void **state)
 static void every_receiver_has_a_challenge_of_its_own(void **state)
 {
     (void)state;
-    struct fresh *other = fresh_create();
+    struct fresh *other = fresh_create(0);
     assert_memory_not_equal(fresh_challenge(fresh), fresh_challenge(other), FRESH_CHALLENGE_SIZE);
     fresh_free(other);
 }
@@ -274,7 +312,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(unknown_sender_is_unproven),
-        TEST(only_what_follows_the_proof_is_new),
+        TEST(only_what_is_above_the_floor_is_new),
         TEST(each_number_is_taken_once),
         TEST(reordered_messages_are_all_taken),
         TEST(leaps_leave_no_trace),
@@ -282,7 +320,8 @@ int main(void)
         TEST(senders_are_independent),
         TEST(second_proof_changes_nothing),
         TEST(unknown_sender_is_asked_at_once_and_again),
-        TEST(held_messages_that_follow_the_proof_are_released),
+        TEST(questions_end_with_what_is_held),
+        TEST(held_messages_above_the_floor_are_released),
         TEST(sender_that_never_proves_itself_is_refused),
         TEST(held_messages_are_bounded),
         TEST(forgotten_sender_must_prove_itself_anew),

@@ -92,7 +92,8 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
                                                          .bounds = message_bounds};
         break;
     case WIRE_HAIL:
-        message->hail = (sobox_hail_t){.challenge = {1, 2}, .asked = 9, .echo = {3, 4}};
+        message->hail = (sobox_hail_t){
+            .challenge = {1, 2}, .age_ns = 8, .asked = 9, .echo = {3, 4}, .floor = 7};
         break;
     case WIRE_KIND_COUNT:
         fail();
