@@ -18,6 +18,8 @@ static const char program_description[] =
     "  sobox-report runs/sedan-two-springs --png --pdf\n"
     "  sobox-report runs/any --compare runs/rotating --out comparison.svg\n"
     "  sobox-report runs/sedan-two-springs --normalise --out public.pdf\n"
+    "  sobox-report runs/sedan-two-springs --export ls-dyna --units kN-mm-ms --out curves\n"
+    "  sobox-report runs/sedan-two-springs --check measured.csv --units kN-mm-ms\n"
     "  sobox-report runs/masses --html masses.html\n"
     "  sobox-report runs/masses --cases 'mass=1500,*,seed=1' --out light.svg\n"
     "  sobox-report runs/masses --against mass,response --out map.png\n"
@@ -26,7 +28,9 @@ static const char program_description[] =
     "and\n"
     "run it again by hand.\n"
     "\n"
-    "Exit status: 0 done; 1 failed while running; 2 usage or invalid input.";
+    "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 a curve that was "
+    "checked\n"
+    "leaves its corridor.";
 
 struct options {
     char *directory;
@@ -36,6 +40,10 @@ struct options {
     char *against;
     char *markdown;
     char *html;
+    char *export;
+    char *check;
+    char *units;
+    int first_id;
     int search;
     gboolean normalise;
     gboolean png;
@@ -52,6 +60,9 @@ static void options_fini(struct options *options)
     g_free(options->against);
     g_free(options->markdown);
     g_free(options->html);
+    g_free(options->export);
+    g_free(options->check);
+    g_free(options->units);
 }
 
 // The format that a file's ending asks for; false when it is none of ours.
@@ -81,6 +92,23 @@ static enum status check_folder(const char *directory, struct error *error)
     return STATUS_OK;
 }
 
+// Options of curves that go out or come in.
+static enum status check_curves(const struct options *options, struct error *error)
+{
+    if (options->export != NULL && options->out == NULL)
+        return error_set(error, STATUS_INVALID,
+                         "--export %s: expected --out with the folder to write to",
+                         options->export);
+    if (options->first_id < 1)
+        return error_set(error, STATUS_INVALID, "--first-id %d: expected 1 or more",
+                         options->first_id);
+    if (options->units != NULL && options->export == NULL && options->check == NULL)
+        return error_set(error, STATUS_INVALID, "--units goes with --export or --check");
+    if (options->export != NULL && options->check != NULL)
+        return error_set(error, STATUS_INVALID, "--export and --check go one at a time");
+    return STATUS_OK;
+}
+
 static enum status options_check(const struct options *options, struct error *error)
 {
     enum report_format format;
@@ -89,7 +117,9 @@ static enum status options_check(const struct options *options, struct error *er
                          "no run folder: expected sobox-report DIR (see --help)");
     if (options->search < 0)
         return error_set(error, STATUS_INVALID, "--search %d: expected 0 or more", options->search);
-    if (options->out != NULL && !format_of(options->out, &format))
+    if (check_curves(options, error) != STATUS_OK)
+        return STATUS_INVALID;
+    if (options->out != NULL && options->export == NULL && !format_of(options->out, &format))
         return error_set(error, STATUS_INVALID,
                          "--out %s: expected a file name that ends in .svg, .png or .pdf",
                          options->out);
@@ -108,7 +138,7 @@ static enum status options_check(const struct options *options, struct error *er
 static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
 {
-    *options = (struct options){0};
+    *options = (struct options){.first_id = 1};
     const GOptionEntry entries[] = {
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
          "Draw the corridors of a second run over those of the first, for springs of one name",
@@ -130,8 +160,21 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Write a report of a sweep, with its pictures beside it", "FILE"},
         {"html", 0, 0, G_OPTION_ARG_FILENAME, &options->html,
          "Write a report of a sweep as one file with its pictures in it", "FILE"},
+        {"export", 0, 0, G_OPTION_ARG_STRING, &options->export,
+         "Write lower, middle and upper curves into the folder of --out, as ls-dyna, openradioss, "
+         "csv or json",
+         "FORMAT"},
+        {"check", 0, 0, G_OPTION_ARG_FILENAME, &options->check,
+         "Say whether and where measured curves (spring,direction,deformation,force) leave their "
+         "corridors",
+         "CURVE.csv"},
+        {"units", 0, 0, G_OPTION_ARG_STRING, &options->units,
+         "Of --export and --check: N-m-s (the default), N-mm-s, N-mm-ms, kN-m-s, kN-mm-s, kN-mm-ms",
+         "UNITS"},
+        {"first-id", 0, 0, G_OPTION_ARG_INT, &options->first_id,
+         "Number of the first curve that --export writes for a solver (default: 1)", "N"},
         {"search", 's', 0, G_OPTION_ARG_INT, &options->search,
-         "Draw this search of a sweep (default: 0)", "N"},
+         "Draw, export or check this search of a sweep (default: 0)", "N"},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version", NULL},
         G_OPTION_ENTRY_NULL,
     };
@@ -240,6 +283,27 @@ static enum status draw_all(const struct options *options, struct error *error)
     return status;
 }
 
+static enum status export(const struct options *options, struct error *error) {
+    const struct report_export settings = {.search = (uint32_t)options->search,
+                                           .format = options->export,
+                                           .units = options->units ? options->units : "N-m-s",
+                                           .folder = options->out,
+                                           .first_id = (uint32_t)options->first_id};
+    char *path = NULL;
+    enum status status = report_export(options->directory, &settings, &path, error);
+    if (status == STATUS_OK) printf("%-12s %s\n", "written", path);
+    g_free(path);
+    return status;
+}
+
+static enum status check(const struct options *options, bool *inside, struct error *error)
+{
+    const struct report_check settings = {.search = (uint32_t)options->search,
+                                          .path = options->check,
+                                          .units = options->units ? options->units : "N-m-s"};
+    return report_check(options->directory, &settings, stdout, inside, error);
+}
+
 // The table is printed last, because it lists the files, and also when no picture could be drawn.
 static enum status report(const struct options *options, struct error *error)
 {
@@ -277,10 +341,18 @@ int main(int argc, char **argv)
     }
     if (status == STATUS_OK)
         status = options_check(&options, &error);
-    if (status == STATUS_OK)
+    bool inside = true; // of the curves that were checked
+    if (status == STATUS_OK && options.check != NULL)
+        status = check(&options, &inside, &error);
+    else if (status == STATUS_OK && options.export != NULL)
+        status = export(&options, &error);
+    else if (status == STATUS_OK)
         status = report(&options, &error);
-    if (status != STATUS_OK)
+    // A mistake in a file of curves stands alone on its line, so that editors find the place.
+    if (status != STATUS_OK && options.check != NULL)
+        log_failure(&error);
+    else if (status != STATUS_OK)
         log_error("%s", error.text);
     options_fini(&options);
-    return (int)status_exit(status);
+    return status == STATUS_OK && !inside ? EXIT_STATUS_NO_GOOD_DESIGN : (int)status_exit(status);
 }

@@ -77,6 +77,33 @@ struct report_document {
 enum status report_document(const char *directory, const struct report_document *document,
                             struct error *error) MUST_USE;
 
+// The corridors as curves for other programs.
+struct report_export {
+    uint32_t search;    // index in the run
+    const char *format; // "ls-dyna", "openradioss", "csv" or "json"
+    const char *units;  // of units.h, for instance "kN-mm-ms"
+    const char *folder; // made where it is absent
+    uint32_t first_id;  // number of the first curve in solvers that number them, >= 1
+};
+
+// Writes a lower, a middle and an upper curve for each spring and direction into the folder; `path`
+// receives the file, to be freed. Errors: STATUS_INVALID (no such format, units or search; no
+// corridors; no springs; no folder), STATUS_IO, and those of run_data_open().
+enum status report_export(const char *directory, const struct report_export *export, char **path,
+                          struct error *error) MUST_USE;
+
+// A component's measured curve to be held against its corridor.
+struct report_check {
+    uint32_t search;
+    const char *path;  // CSV: spring,direction,deformation,force; a curve's rows stand together
+    const char *units; // that it is measured in
+};
+
+// Says for each curve of the file whether and where it leaves its corridor; `inside` tells whether
+// none does. Errors: STATUS_INVALID (with FILE:LINE:COLUMN), STATUS_IO.
+enum status report_check(const char *directory, const struct report_check *check, FILE *out,
+                         bool *inside, struct error *error) MUST_USE;
+
 // Prints the corridors, the purity with its bound, the cost and the files to `out`; of a sweep one
 // line a search. Errors: STATUS_IO, and those of journal_open().
 enum status report_print(const char *directory, FILE *out, struct error *error) MUST_USE;

@@ -136,3 +136,29 @@ picture_is_told_to_be_missing_when_gnuplot_is()
     expect_said err gnuplot
     expect_no plain/corridors.svg
 }
+
+# What other departments get, and what they send back.
+corridors_go_out_as_curves_and_measured_ones_are_checked()
+{
+    local format
+    run 0 sobox-coordinator "$scenario" --out run
+    for format in ls-dyna openradioss csv json; do
+        run 0 sobox-report run --export "$format" --units kN-mm-ms --out curves
+    done
+    expect_files curves/curves.k curves/curves.inc curves/curves.csv curves/curves.json
+    expect_equal "$(grep -c '^\*DEFINE_CURVE_TITLE' curves/curves.k)" 6 'curves of one spring'
+    { echo spring,direction,deformation,force
+      awk -F , '$3 == "middle" {print $1 "," $2 "," $4 "," $5}' curves/curves.csv; } >middle.csv
+    run 0 sobox-report run --check middle.csv --units kN-mm-ms
+    expect_said out '^front F_x: inside its corridor from 0 to 1200 mm'
+    run 3 sobox-report run --check middle.csv --units N-mm-ms
+    expect_said out '^front F_x: leaves its corridor'
+    run 2 sobox-report run --export ls-dyna --units stone-inch-s --out none
+    expect_said err 'expected one of N-m-s'
+    run 2 sobox-report run --export ls-dyna
+    expect_said err 'expected --out with the folder'
+    echo spring,force >wrong.csv
+    echo front,1 >>wrong.csv
+    run 2 sobox-report run --check wrong.csv
+    expect_said err '^wrong\.csv:1:8: expected direction'
+}

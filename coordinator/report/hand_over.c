@@ -1,0 +1,281 @@
+// What leaves for other departments, and what comes back: curves for their solvers, and measured
+// curves held against the corridors.
+#include "coordinator/report/curves.h"
+#include "coordinator/report/leaving.h"
+#include "coordinator/report/number.h"
+#include "coordinator/report/report.h"
+#include "coordinator/report/units.h"
+#include "coordinator/report/whole_file.h"
+
+#include "common/scenario/sheet.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+// ---- the search in question ----
+
+// Loads a search whose corridors are curves over deformation.
+static enum status load(struct run_data *data, struct run_data_search *search,
+                        const char *directory, uint32_t index, struct error *error)
+{
+    *search = (struct run_data_search){0};
+    enum status status = run_data_open(data, directory, error);
+    if (status == STATUS_OK && index >= data->run.search_count)
+        status = error_set(error, STATUS_INVALID,
+                           "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,
+                           index, data->run.search_count - 1);
+    if (status == STATUS_OK)
+        status = run_data_load(data, index, search, error);
+    if (status == STATUS_OK && search->box == NULL)
+        status = error_set(error, STATUS_INVALID, "%s: search %" PRIu32 " has no corridors",
+                           directory, index);
+    if (status == STATUS_OK && search->scenario.spring_count == 0)
+        status = error_set(error, STATUS_INVALID,
+                           "%s: its model has no springs, so there are no curves over deformation",
+                           directory);
+    return status;
+}
+
+// ---- out ----
+
+static enum status find_format(const char *name, enum curves_format *format, struct error *error)
+{
+    for (int i = 0; i < CURVES_FORMAT_COUNT; i++)
+        if (strcmp(curves_format_name((enum curves_format)i), name) == 0) {
+            *format = (enum curves_format)i;
+            return STATUS_OK;
+        }
+    return error_set(error, STATUS_INVALID,
+                     "--export %s: expected ls-dyna, openradioss, csv or json", name);
+}
+
+static enum status make_folder(const char *path, struct error *error)
+{
+    if (g_mkdir_with_parents(path, 0777) == 0)
+        return STATUS_OK;
+    return error_set(error, STATUS_INVALID, "%s: cannot make the folder: %s", path,
+                     g_strerror(errno));
+}
+
+enum status report_export(const char *directory, const struct report_export *export, char **path,
+                          struct error *error)
+{
+    struct run_data data = {0};
+    struct run_data_search search = {0};
+    struct curves curves = {.search = &search, .first_id = export->first_id};
+    enum curves_format format = CURVES_CSV;
+    *path = NULL;
+    enum status status = find_format(export->format, &format, error);
+    if (status == STATUS_OK)
+        status = units_find(export->units, &curves.units, error);
+    if (status == STATUS_OK)
+        status = load(&data, &search, directory, export->search, error);
+    if (status == STATUS_OK)
+        status = make_folder(export->folder, error);
+    if (status == STATUS_OK) {
+        curves.run_name = data.run.name;
+        curves.version = data.run.version;
+        char *text = curves_text(&curves, format);
+        char *file = g_build_filename(export->folder, curves_file_name(format), NULL);
+        status = whole_file_write(file, text, strlen(text), error);
+        g_free(text);
+        if (status == STATUS_OK)
+            *path = file;
+        else
+            g_free(file);
+    }
+    run_data_release(&search);
+    run_data_fini(&data);
+    return status;
+}
+
+// ---- in ----
+
+enum { MEASURED_ROWS_MAX = 100000, PIECES_MAX = 1000 };
+
+static enum status misplaced(const struct sheet *sheet, const struct sheet_cell *cell,
+                             const char *expected, struct error *error)
+{
+    return error_set(error, STATUS_INVALID, "%s:%u:%u: expected %s, found '%.40s'", sheet->source,
+                     cell->line, cell->column, expected, cell->text);
+}
+
+static enum status check_header(const struct sheet *sheet, struct error *error)
+{
+    static const char *const names[] = {"spring", "direction", "deformation", "force"};
+    for (uint32_t c = 0; c < G_N_ELEMENTS(names); c++) {
+        if (c >= sheet->column_count)
+            return error_set(error, STATUS_INVALID,
+                             "%s:%u:1: expected the columns spring,direction,deformation,force; "
+                             "'%s' is missing",
+                             sheet->source, sheet_cell(sheet, 0, 0)->line, names[c]);
+        if (strcmp(sheet_cell(sheet, 0, c)->text, names[c]) != 0)
+            return misplaced(sheet, sheet_cell(sheet, 0, c), names[c], error);
+    }
+    if (sheet->column_count > G_N_ELEMENTS(names))
+        return misplaced(sheet, sheet_cell(sheet, 0, G_N_ELEMENTS(names)), "four columns", error);
+    return STATUS_OK;
+}
+
+static enum status read_number(const struct sheet *sheet, const struct sheet_cell *cell,
+                               double *number, struct error *error)
+{
+    char *end;
+    *number = g_ascii_strtod(cell->text, &end);
+    if (end == cell->text || *end != '\0' || !isfinite(*number))
+        return misplaced(sheet, cell, "a number", error);
+    return STATUS_OK;
+}
+
+// The rows from `first` on that belong to one curve: its points, and the row behind it.
+static enum status read_curve(const struct sheet *sheet, uint32_t first, GArray *x, GArray *y,
+                              uint32_t *next, struct error *error)
+{
+    const char *spring = sheet_cell(sheet, first, 0)->text;
+    const char *direction = sheet_cell(sheet, first, 1)->text;
+    g_array_set_size(x, 0);
+    g_array_set_size(y, 0);
+    for (*next = first;
+         *next <= sheet->row_count && strcmp(sheet_cell(sheet, *next, 0)->text, spring) == 0 &&
+         strcmp(sheet_cell(sheet, *next, 1)->text, direction) == 0;
+         ++*next) {
+        double deformation, force;
+        if (read_number(sheet, sheet_cell(sheet, *next, 2), &deformation, error) != STATUS_OK ||
+            read_number(sheet, sheet_cell(sheet, *next, 3), &force, error) != STATUS_OK)
+            return STATUS_INVALID;
+        if (x->len > 0 && deformation <= g_array_index(x, double, x->len - 1))
+            return misplaced(sheet, sheet_cell(sheet, *next, 2),
+                             "a deformation greater than the one above", error);
+        g_array_append_val(x, deformation);
+        g_array_append_val(y, force);
+    }
+    if (x->len < 2)
+        return error_set(error, STATUS_INVALID, "%s:%u:1: expected at least 2 points of a curve",
+                         sheet->source, sheet_cell(sheet, first, 0)->line);
+    return STATUS_OK;
+}
+
+static enum status find_component(const struct sheet *sheet, uint32_t row,
+                                  const struct scenario *scenario, uint32_t *spring,
+                                  enum scenario_direction *direction, struct error *error)
+{
+    const struct sheet_cell *name = sheet_cell(sheet, row, 0), *letter = sheet_cell(sheet, row, 1);
+    *spring = 0;
+    while (*spring < scenario->spring_count &&
+           strcmp(scenario->springs[*spring].name, name->text) != 0)
+        ++*spring;
+    if (*spring == scenario->spring_count) {
+        GString *names = g_string_new("the name of a spring, one of");
+        for (uint32_t i = 0; i < scenario->spring_count; i++)
+            g_string_append_printf(names, "%s %s", i > 0 ? "," : "", scenario->springs[i].name);
+        misplaced(sheet, name, names->str, error);
+        g_string_free(names, TRUE);
+        return STATUS_INVALID;
+    }
+    for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
+        if (strcmp(letter->text, scenario_direction_name((enum scenario_direction)d)) == 0) {
+            *direction = (enum scenario_direction)d;
+            return STATUS_OK;
+        }
+    return misplaced(sheet, letter, "x or y", error);
+}
+
+static void print_pieces(const struct leaving_piece *pieces, uint32_t count,
+                         const struct units *units, FILE *out)
+{
+    for (uint32_t i = 0; i < MIN(count, PIECES_MAX); i++) {
+        const struct leaving_piece *piece = &pieces[i];
+        fprintf(out, "    %s bound from %.6g to %.6g %s, most at %.6g %s: by %.6g %s\n",
+                piece->above ? "above the upper" : "below the lower", piece->from, piece->to,
+                units->length, piece->worst_at, units->length, piece->worst, units->force);
+    }
+    if (count > PIECES_MAX)
+        fprintf(out, "    and %" PRIu32 " times more\n", count - PIECES_MAX);
+}
+
+// Holds one measured curve against its corridor and says what is found.
+static bool hold(const struct run_data_search *search, uint32_t spring_index,
+                 enum scenario_direction direction, const struct units *units, const GArray *x,
+                 const GArray *y, FILE *out)
+{
+    const struct scenario_spring *spring = &search->scenario.springs[spring_index];
+    double deformation[SCENARIO_POINT_MAX], lower[SCENARIO_POINT_MAX], upper[SCENARIO_POINT_MAX];
+    for (uint32_t k = 0; k < spring->point_count; k++) {
+        const uint32_t variable = run_data_variable(search, spring_index, direction, k);
+        deformation[k] = spring->deformation[k] * units->per_metre;
+        lower[k] = search->box->lower[variable] * units->per_newton;
+        upper[k] = search->box->upper[variable] * units->per_newton;
+    }
+    const struct leaving_curves curves = {.x = (const double *)(const void *)x->data,
+                                          .y = (const double *)(const void *)y->data,
+                                          .count = x->len,
+                                          .deformation = deformation,
+                                          .lower = lower,
+                                          .upper = upper,
+                                          .point_count = spring->point_count};
+    struct leaving_piece *pieces = g_new(struct leaving_piece, PIECES_MAX);
+    double from, to;
+    const uint32_t count = leaving_find(&curves, pieces, PIECES_MAX, &from, &to);
+    fprintf(out, "%s F_%s: ", spring->name, scenario_direction_name(direction));
+    if (from > to)
+        fprintf(out, "not checked: the curve and the corridor share no deformation\n");
+    else if (count == 0)
+        fprintf(out, "inside its corridor from %.6g to %.6g %s\n", from, to, units->length);
+    else
+        fprintf(out, "leaves its corridor (looked at from %.6g to %.6g %s)\n", from, to,
+                units->length);
+    print_pieces(pieces, count, units, out);
+    if (from <= to && (from > deformation[0] || to < deformation[spring->point_count - 1]))
+        fprintf(out, "    the corridor reaches from %.6g to %.6g %s\n", deformation[0],
+                deformation[spring->point_count - 1], units->length);
+    g_free(pieces);
+    return count == 0 && from <= to;
+}
+
+static enum status hold_all(const struct sheet *sheet, const struct run_data_search *search,
+                            const struct units *units, FILE *out, bool *inside, struct error *error)
+{
+    GArray *x = g_array_new(FALSE, FALSE, sizeof(double));
+    GArray *y = g_array_new(FALSE, FALSE, sizeof(double));
+    enum status status = check_header(sheet, error);
+    *inside = true;
+    for (uint32_t row = 1, next = 1; status == STATUS_OK && row <= sheet->row_count; row = next) {
+        uint32_t spring;
+        enum scenario_direction direction = SCENARIO_DIRECTION_X;
+        status = find_component(sheet, row, &search->scenario, &spring, &direction, error);
+        if (status == STATUS_OK)
+            status = read_curve(sheet, row, x, y, &next, error);
+        if (status == STATUS_OK && !hold(search, spring, direction, units, x, y, out))
+            *inside = false;
+    }
+    g_array_unref(x);
+    g_array_unref(y);
+    return status;
+}
+
+enum status report_check(const char *directory, const struct report_check *check, FILE *out,
+                         bool *inside, struct error *error)
+{
+    struct run_data data = {0};
+    struct run_data_search search = {0};
+    struct sheet sheet = {0};
+    const struct units *units = NULL;
+    *inside = false;
+    enum status status = units_find(check->units, &units, error);
+    if (status == STATUS_OK)
+        status = sheet_read_file(&sheet, check->path, MEASURED_ROWS_MAX, error);
+    if (status == STATUS_OK)
+        status = load(&data, &search, directory, check->search, error);
+    if (status == STATUS_OK)
+        status = hold_all(&sheet, &search, units, out, inside, error);
+    if (status == STATUS_OK && (fflush(out) != 0 || ferror(out)))
+        status = error_set(error, STATUS_IO, "what was found could not be printed");
+    if (status != STATUS_OK)
+        *inside = false;
+    sheet_fini(&sheet);
+    run_data_release(&search);
+    run_data_fini(&data);
+    return status;
+}
