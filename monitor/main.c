@@ -1,10 +1,11 @@
-// sobox-monitor: watches runs and workers through LCM, for a terminal and for browsers. It only
-// listens.
+// sobox-monitor: watches runs and workers through LCM, or a run through its journal, for a terminal
+// and for browsers. It only listens.
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "monitor/feed/feed.h"
 #include "monitor/http/http.h"
+#include "monitor/record/record.h"
 #include "monitor/terminal/lines.h"
 #include "monitor/terminal/screen.h"
 #include "monitor/texts/texts.h"
@@ -26,6 +27,7 @@ static const char program_description[] =
     "Examples:\n"
     "  sobox-monitor --url 'udpm://239.255.76.67:7667?ttl=1'\n"
     "  sobox-monitor --http 127.0.0.1:8765\n"
+    "  sobox-monitor --from runs/sedan --http 127.0.0.1:8765\n"
     "  sobox-monitor --json | jq .runs[0].searches[0].log_volume\n"
     "\n"
     "Without --url the environment variable SOBOX_URL names the network, and without that it is\n"
@@ -35,6 +37,7 @@ static const char program_description[] =
 
 struct options {
     char *url;
+    char *from;
     char *http;
     char *key_file;
     gboolean json;
@@ -47,7 +50,8 @@ struct monitor {
     struct options options;
     struct feed feed;
     struct texts *texts;
-    struct watch *watch;
+    struct watch *watch;   // of a network, or
+    struct record *record; // of a run folder
     struct picture_view view;
     char instance[17];
     struct http *http;
@@ -64,6 +68,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     *options = (struct options){0};
     const GOptionEntry entries[] = {
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url, "The LCM network to watch", "LCM_URL"},
+        {"from", 'f', 0, G_OPTION_ARG_FILENAME, &options->from,
+         "Show the run of this run folder in place of a network", "RUN_DIR"},
         {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
          "The key that the network's messages are sealed with, in this file", "FILE"},
         {"http", 'w', 0, G_OPTION_ARG_STRING, &options->http,
@@ -85,6 +91,10 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         g_error_free(reason);
     } else if (argc > 1) {
         status = error_set(error, STATUS_INVALID, "%s: no argument is expected", argv[1]);
+    } else if (options->from != NULL && (options->url != NULL || options->key_file != NULL)) {
+        status = error_set(error, STATUS_INVALID,
+                           "--from: a run folder is no network: expected it without --url and "
+                           "--key-file");
     }
     g_option_context_free(context);
     if (options->url == NULL) {
@@ -97,11 +107,17 @@ static enum status options_parse(struct options *options, int argc, char **argv,
 static void options_free(struct options *options)
 {
     g_free(options->url);
+    g_free(options->from);
     g_free(options->http);
     g_free(options->key_file);
 }
 
 // ---- Showing ----
+
+static const char *source(const struct monitor *monitor)
+{
+    return monitor->options.from != NULL ? monitor->options.from : monitor->options.url;
+}
 
 static void show_lines(struct monitor *monitor, int64_t now_ns)
 {
@@ -111,26 +127,48 @@ static void show_lines(struct monitor *monitor, int64_t now_ns)
         monitor->silence_said = FALSE;
     } else if (!monitor->silence_said) {
         monitor->silence_said = TRUE;
-        printf("no run is heard on %s; %u workers\n", monitor->options.url,
+        printf("no run is heard on %s; %u workers\n", source(monitor),
                monitor->feed.workers.entries->len);
     }
     fflush(stdout);
+}
+
+// A run folder whose run is over is shown once where nobody stays to look at it.
+static bool is_told(const struct monitor *monitor)
+{
+    return monitor->record != NULL && !record_goes_on(monitor->record) && monitor->http == NULL &&
+           monitor->screen == NULL;
+}
+
+static void read_on(struct monitor *monitor, int64_t now_ns)
+{
+    struct error error = {0};
+    if (record_goes_on(monitor->record) &&
+        record_read(monitor->record, now_ns, &error) != STATUS_OK)
+        log_note("%s", error.text);
 }
 
 static gboolean second(gpointer user)
 {
     struct monitor *monitor = user;
     const int64_t now_ns = clock_monotonic_ns();
-    watch_count(monitor->watch, now_ns);
+    if (monitor->watch != NULL)
+        watch_count(monitor->watch, now_ns);
+    else
+        read_on(monitor, now_ns);
     feed_tick(&monitor->feed, now_ns);
     if (!monitor->options.quiet && monitor->screen == NULL)
         show_lines(monitor, now_ns);
+    if (is_told(monitor))
+        g_main_loop_quit(monitor->loop);
     return G_SOURCE_CONTINUE;
 }
 
 static void want(void *user, uint64_t run, const struct digest *scenario)
 {
-    watch_want(((struct monitor *)user)->watch, run, scenario);
+    struct monitor *monitor = user;
+    if (monitor->watch != NULL)
+        watch_want(monitor->watch, run, scenario);
 }
 
 static enum status serve(struct monitor *monitor, struct error *error)
@@ -141,7 +179,7 @@ static enum status serve(struct monitor *monitor, struct error *error)
     monitor->view = (struct picture_view){
         .feed = &monitor->feed,
         .texts = monitor->texts,
-        .source = monitor->options.url,
+        .source = source(monitor),
         .instance = monitor->instance,
         .start_ns = clock_monotonic_ns(),
         .want = want,
@@ -180,9 +218,36 @@ static void show_start(struct monitor *monitor)
 {
     if (monitor->options.json || monitor->options.plain || monitor->options.quiet)
         return;
-    monitor->screen = screen_start(&monitor->feed, monitor->options.url, stop, monitor);
+    monitor->screen = screen_start(&monitor->feed, source(monitor), stop, monitor);
     if (monitor->screen != NULL)
         log_start("sobox-monitor", LOG_QUIET);
+}
+
+static enum status open_source(struct monitor *monitor, const struct key *key, struct error *error)
+{
+    if (monitor->options.from == NULL)
+        return watch_start(&monitor->watch, monitor->options.url, key, &monitor->feed,
+                           monitor->texts, error);
+    monitor->record = record_open(monitor->options.from, &monitor->feed, monitor->texts);
+    return record_read(monitor->record, clock_monotonic_ns(), error);
+}
+
+static void run_loop(struct monitor *monitor)
+{
+    g_unix_signal_add(SIGINT, stop, monitor);
+    g_unix_signal_add(SIGTERM, stop, monitor);
+    show_start(monitor);
+    if (!monitor->options.quiet)
+        g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
+    g_timeout_add(1000, second, monitor);
+    // A network is waited for; a run folder has something to show at once, and is never silent.
+    monitor->silence_said = monitor->record != NULL;
+    if (monitor->record != NULL)
+        second(monitor);
+    if (!is_told(monitor))
+        g_main_loop_run(monitor->loop);
+    if (monitor->record == NULL)
+        second(monitor);
 }
 
 static enum status run(struct monitor *monitor, struct error *error)
@@ -192,22 +257,14 @@ static enum status run(struct monitor *monitor, struct error *error)
     if (monitor->options.key_file != NULL)
         status = key_read(&key, monitor->options.key_file, error);
     if (status == STATUS_OK)
-        status = watch_start(&monitor->watch, monitor->options.url, key, &monitor->feed,
-                             monitor->texts, error);
+        status = open_source(monitor, key, error);
     if (status == STATUS_OK && monitor->options.http != NULL)
         status = serve(monitor, error);
-    if (status == STATUS_OK) {
-        g_unix_signal_add(SIGINT, stop, monitor);
-        g_unix_signal_add(SIGTERM, stop, monitor);
-        show_start(monitor);
-        if (!monitor->options.quiet)
-            g_unix_fd_add(STDOUT_FILENO, G_IO_ERR, unread, monitor);
-        g_timeout_add(1000, second, monitor);
-        g_main_loop_run(monitor->loop);
-        second(monitor);
-    }
+    if (status == STATUS_OK)
+        run_loop(monitor);
     screen_stop(monitor->screen);
     http_stop(monitor->http);
+    record_close(monitor->record);
     watch_stop(monitor->watch);
     key_free(key);
     return status;

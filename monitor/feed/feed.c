@@ -192,10 +192,9 @@ double feed_run_left_s(const struct feed *feed, const struct feed_run *run)
                run->searches_done;
     }
     const struct feed_search *search = feed_search_find(feed, run->id, 0);
-    if (search == NULL || search->step <= search->first_step || search->step > search->step_count)
+    if (search == NULL || search->step == 0 || search->step > search->step_count)
         return -1;
-    return (double)(search->heard_ns - search->first_ns) / 1e9 *
-           (search->step_count - search->step) / (search->step - search->first_step);
+    return (double)run->elapsed_ns / 1e9 * (search->step_count - search->step) / search->step;
 }
 
 // ---- Searches ----
@@ -242,10 +241,6 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
         search_entry(feed, (uint64_t)message->header.run, (uint32_t)message->search);
     if (is_late(&search->origin, &message->header, now_ns - search->heard_ns))
         return;
-    if (search->changed == 0) {
-        search->first_ns = now_ns;
-        search->first_step = (uint32_t)message->step;
-    }
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
     search->phase = message->phase;
     search->status = message->status;

@@ -99,8 +99,6 @@ struct feed_search {
     double purity_lower95; // 0 until certified
     GArray *bounds;        // double: lower, then upper; empty where the box was too large to travel
     struct history steps;  // struct feed_step, one a step heard of
-    int64_t first_ns;      // when it was first heard, and at which step
-    uint32_t first_step;
     int64_t heard_ns;
     struct feed_origin origin;
 };

@@ -228,9 +228,16 @@ static void time_left_follows_the_pace(void **state)
     sobox_run_status_t run = {.header.run = 5, .searches = 1, .elapsed_ns = 10 * SECOND};
     feed_run_heard(feed, &run, 0);
     assert_true(feed_run_left_s(feed, feed_run_find(feed, 5)) < 0);
-    hear_search(feed, 7, 1, 20, 0);
-    hear_search(feed, 7, 2, 40, 4 * SECOND);
-    assert_float_equal(feed_run_left_s(feed, feed_run_find(feed, 5)), 12, 1e-9);
+    hear_search(feed, 7, 2, 40, SECOND);
+    assert_float_equal(feed_run_left_s(feed, feed_run_find(feed, 5)), 15, 1e-9);
+    run = (sobox_run_status_t){
+        .header = {.sender = 7, .sequence = 1, .run = 6},
+        .searches = 100,
+        .searches_done = 10,
+        .elapsed_ns = 5 * SECOND,
+    };
+    feed_run_heard(feed, &run, SECOND);
+    assert_float_equal(feed_run_left_s(feed, feed_run_find(feed, 6)), 45, 1e-9);
 }
 
 #define TEST(claim) cmocka_unit_test_setup_teardown(claim, feed_setup, feed_teardown)

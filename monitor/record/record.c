@@ -1,0 +1,234 @@
+#include "monitor/record/record.h"
+
+#include "coordinator/journal/journal.h"
+#include "coordinator/search/search.h"
+
+#include <float.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+// What was told of a search.
+struct told {
+    uint32_t steps;
+    uint64_t evaluations;
+    bool finished;
+};
+
+struct record {
+    char *folder;
+    struct feed *feed;
+    struct texts *texts;
+    GArray *told; // struct told, one a search
+    int32_t sequence;
+    bool goes_on;
+};
+
+// A search that is being read.
+struct reading {
+    struct record *record;
+    const struct journal_run *run;
+    const struct journal_search *search;
+    struct told *told;
+    uint32_t step_count; // estimate of the total
+    int64_t now_ns;
+};
+
+struct record *record_open(const char *folder, struct feed *feed, struct texts *texts)
+{
+    struct record *record = g_new0(struct record, 1);
+    *record = (struct record){
+        .folder = g_strdup(folder),
+        .feed = feed,
+        .texts = texts,
+        .told = g_array_new(FALSE, TRUE, sizeof(struct told)),
+    };
+    return record;
+}
+
+void record_close(struct record *record)
+{
+    if (record == NULL)
+        return;
+    g_array_free(record->told, TRUE);
+    g_free(record->folder);
+    g_free(record);
+}
+
+bool record_goes_on(const struct record *record)
+{
+    return record->goes_on;
+}
+
+// ---- Words of the journal as numbers of the messages ----
+
+static int8_t phase_of(const char *name)
+{
+    for (int phase = SEARCH_PHASE_SEEK; phase <= SEARCH_PHASE_DONE; phase++) {
+        if (strcmp(name, search_phase_name((enum search_phase)phase)) == 0)
+            return (int8_t)phase;
+    }
+    return SEARCH_PHASE_SEEK;
+}
+
+static int8_t status_of(const char *name)
+{
+    for (int status = SEARCH_STATUS_RUNNING; status <= SEARCH_STATUS_NO_GOOD_DESIGN; status++) {
+        if (strcmp(name, search_status_name((enum search_status)status)) == 0)
+            return (int8_t)status;
+    }
+    return SEARCH_STATUS_RUNNING;
+}
+
+static int8_t state_of(enum journal_state state)
+{
+    switch (state) {
+    case JOURNAL_STATE_RUNNING:
+        return FEED_STATE_RUNNING;
+    case JOURNAL_STATE_DONE:
+        return FEED_STATE_DONE;
+    case JOURNAL_STATE_INTERRUPTED:
+        return FEED_STATE_INTERRUPTED;
+    case JOURNAL_STATE_FAILED:
+        break;
+    }
+    return FEED_STATE_FAILED;
+}
+
+// ---- Telling the feed ----
+
+static sobox_header_t next_header(struct record *record, const struct journal_run *run)
+{
+    return (sobox_header_t){
+        .sequence = record->sequence++,
+        .sender = 1, // nobody else tells this feed anything
+        .run = (int64_t)run->id,
+    };
+}
+
+static void tell_search(const struct reading *reading, sobox_search_status_t *message,
+                        const struct box *box)
+{
+    message->header = next_header(reading->record, reading->run);
+    message->search = (int32_t)reading->search->index;
+    message->evaluations = (int64_t)reading->told->evaluations;
+    memcpy(message->scenario, reading->search->scenario.bytes, DIGEST_SIZE);
+    double *bounds = g_new(double, 2 * (size_t)box->count);
+    memcpy(bounds, box->lower, box->count * sizeof *bounds);
+    memcpy(bounds + box->count, box->upper, box->count * sizeof *bounds);
+    message->bound_count = (int32_t)(2 * box->count);
+    message->bounds = bounds;
+    feed_search_heard(reading->record->feed, message, reading->now_ns);
+    g_free(bounds);
+}
+
+static enum status tell_step(void *user, const struct journal_step *step, struct error *error)
+{
+    (void)error;
+    const struct reading *reading = user;
+    if (step->step < reading->told->steps)
+        return STATUS_OK;
+    reading->told->steps = step->step + 1;
+    reading->told->evaluations += step->samples;
+    sobox_search_status_t message = {
+        .phase = phase_of(step->phase),
+        .status = SEARCH_STATUS_RUNNING,
+        .step = (int32_t)step->step + 1,
+        .step_count = (int32_t)MAX(reading->step_count, step->step + 1),
+        .good_share = step->samples > 0 ? (double)step->good / step->samples : 0,
+        .log_volume = fmax(step->log_volume, -DBL_MAX),
+    };
+    tell_search(reading, &message, step->box);
+    return STATUS_OK;
+}
+
+static void tell_result(const struct reading *reading)
+{
+    const struct journal_search *search = reading->search;
+    reading->told->finished = true;
+    reading->told->evaluations = search->evaluations;
+    sobox_search_status_t message = {
+        .phase = SEARCH_PHASE_DONE,
+        .status = status_of(search->status),
+        .step = (int32_t)search->steps,
+        .step_count = (int32_t)search->steps,
+        .good_share = search->purity_estimate,
+        .log_volume = fmax(search->log_volume, -DBL_MAX),
+        .purity_lower95 = search->purity_lower95,
+    };
+    tell_search(reading, &message, &search->box);
+}
+
+static uint32_t steps_expected(struct texts *texts, const struct digest *digest)
+{
+    const struct scenario *scenario = texts_find(texts, digest);
+    // Seeking and certifying take some steps more.
+    return scenario != NULL
+               ? scenario->search.exploration_steps + scenario->search.consolidation_steps + 2
+               : 0;
+}
+
+static enum status read_search(struct record *record, struct journal *journal,
+                               const struct journal_run *run, uint32_t index, int64_t now_ns,
+                               struct error *error)
+{
+    struct told *told = &g_array_index(record->told, struct told, index);
+    if (told->finished)
+        return STATUS_OK;
+    struct journal_search search = {0};
+    enum status status = journal_read_search(journal, index, &search, error);
+    if (status != STATUS_OK)
+        return status;
+    texts_learn(record->texts, &search.scenario, search.text, search.text_size);
+    struct reading reading = {
+        .record = record,
+        .run = run,
+        .search = &search,
+        .told = told,
+        .step_count = steps_expected(record->texts, &search.scenario),
+        .now_ns = now_ns,
+    };
+    status = journal_read_steps(journal, index, tell_step, &reading, error);
+    if (status == STATUS_OK && search.finished)
+        tell_result(&reading);
+    journal_search_fini(&search);
+    return status;
+}
+
+static void tell_run(struct record *record, const struct journal_run *run, int64_t now_ns)
+{
+    sobox_run_status_t message = {
+        .header = next_header(record, run),
+        .state = state_of(run->state),
+        .searches = (int32_t)run->search_count,
+        .elapsed_ns = run->elapsed_ns,
+    };
+    for (guint i = 0; i < record->told->len; i++) {
+        const struct told *told = &g_array_index(record->told, struct told, i);
+        message.samples += (int64_t)told->evaluations;
+        message.searches_done += told->finished;
+    }
+    g_strlcpy((char *)message.name, run->name, sizeof message.name);
+    feed_run_heard(record->feed, &message, now_ns);
+}
+
+enum status record_read(struct record *record, int64_t now_ns, struct error *error)
+{
+    struct journal *journal = NULL;
+    struct journal_run run;
+    // A journal shows the moment at which it was opened.
+    enum status status = journal_open(&journal, record->folder, JOURNAL_READ, error);
+    if (status == STATUS_OK)
+        status = journal_read_run(journal, &run, error);
+    if (status == STATUS_OK) {
+        g_array_set_size(record->told, run.search_count);
+        for (uint32_t i = 0; status == STATUS_OK && i < run.search_count; i++)
+            status = read_search(record, journal, &run, i, now_ns, error);
+    }
+    if (status == STATUS_OK) {
+        tell_run(record, &run, now_ns);
+        record->goes_on = run.state == JOURNAL_STATE_RUNNING;
+    }
+    journal_close(journal);
+    return status;
+}
