@@ -8,6 +8,7 @@
 #include "coordinator/runtime/trimmer.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
+#include "worker/batch/intake.h"
 
 #include "sobox_outcome_batch_t.h"
 #include "sobox_run_status_t.h"
@@ -30,11 +31,14 @@ enum {
     STATUS_INTERVAL_MS = 1000,
     SEARCH_STATUS_INTERVAL_MS = 100,
     SEARCH_STATUS_BURST = 32, // searches told of at once; thousands take turns
-    // Searches open at once. A search of thesis size holds some 6 MB at its end (its known bad
-    // samples), so 256 take 1.5 GB at worst.
-    OPEN_MAX = 256,
+    // Searches open at once: each has a scenario of its own, and a worker that is to know more of
+    // them than it keeps refuses batches. A few are left for another coordinator with the same
+    // workers. A search of thesis size holds some 6 MB at its end (its known bad samples).
+    OPEN_MAX = 48,
     TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
 };
+
+_Static_assert((int)OPEN_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
 
 // Nobody has answered for so long: say what is being waited for.
 static const int64_t WAIT_NOTE_NS = CLOCK_SECOND_NS;
