@@ -76,6 +76,7 @@ const Figures = (() => {
 
   // The picture as Chart.js has laid it out, written as SVG. Chart.js itself only paints pixels.
   function svgOf(chart, title) {
+    chart.update("none"); // not in the middle of a movement
     const { width, height, chartArea: area, scales } = chart;
     const ink = colour("ink"), soft = colour("soft"), line = colour("line");
     const out = [];
@@ -108,9 +109,9 @@ const Figures = (() => {
         text(0, 0, name, `text-anchor="middle" fill="${soft}" transform="translate(12 ` +
           `${n((area.top + area.bottom) / 2)}) rotate(-90)"`);
     }
-    const path = (points, stepped) => points.map((p, i) =>
-      (i === 0 ? "M" : stepped ? `H${n(p.x)}V` : "L") +
-      (i > 0 && stepped ? n(p.y) : `${n(p.x)} ${n(p.y)}`)).join("");
+    // Where a value is missing, the line is broken.
+    const path = (points) => points.map((p, i) => p.skip ? "" :
+      `${i === 0 || points[i - 1].skip ? "M" : "L"}${n(p.x)} ${n(p.y)}`).join("");
     chart.data.datasets.forEach((data, i) => {
       const points = chart.getDatasetMeta(i).data;
       if (points.length === 0) return;
@@ -130,7 +131,7 @@ const Figures = (() => {
           `fill="${data.borderColor}" fill-opacity="${data.$opacity ?? 0.3}"/>`);
       }
       if (data.showLine !== false)
-        out.push(`<path d="${path(shown, data.stepped)}" fill="none" stroke="${data.borderColor}" ` +
+        out.push(`<path d="${path(points)}" fill="none" stroke="${data.borderColor}" ` +
           `stroke-width="${data.borderWidth}" stroke-dasharray="${(data.borderDash || []).join(" ")}"/>`);
       if (data.pointRadius > 0)
         for (const p of shown)
@@ -273,6 +274,7 @@ const Figures = (() => {
       paper.width = this.canvas.width;
       paper.height = this.canvas.height;
       const context = paper.getContext("2d");
+      this.chart.update("none");
       context.fillStyle = colour("card");
       context.fillRect(0, 0, paper.width, paper.height);
       context.drawImage(this.canvas, 0, 0);

@@ -15,6 +15,7 @@
   let choice = { run: null, search: null };
   let follow = { run: true, search: true };
   let now = 0, heardHere = performance.now(), everHeard = false;
+  let heardTime = ""; // on the reader's clock
   let chosenNews = true; // since what is chosen was last drawn
 
   const clock = () => now + (performance.now() - heardHere) / 1000;
@@ -37,6 +38,7 @@
   function learn(event) {
     now = event.now;
     heardHere = performance.now();
+    heardTime = new Date().toLocaleTimeString();
     everHeard = true;
     if (event.reset) {
       forget();
@@ -146,6 +148,7 @@
     if (seconds < 3600) return `${Math.floor(seconds / 60)} min ${Math.floor(seconds % 60)} s`;
     return `${Math.floor(seconds / 3600)} h ${Math.floor((seconds % 3600) / 60)} min`;
   }
+  const names = new Intl.Collator("en", { numeric: true }); // host9 before host10
   const words = (name) => String(name).replaceAll("_", " ");
   const show = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
@@ -175,8 +178,9 @@
       this.heads.forEach((head, i) => head.setAttribute("aria-sort", i !== this.sort ? "none" : this.descending ? "descending" : "ascending"));
       const value = this.columns[this.sort].value;
       const sign = this.descending ? -1 : 1;
-      const order = (a, b) => (a == null) - (b == null) || (a < b ? -sign : a > b ? sign : 0);
-      const sorted = [...data].sort((a, b) => order(value(a), value(b)) || order(this.key(a), this.key(b)) * sign).slice(0, this.limit);
+      const order = (a, b) => (a == null) - (b == null) ||
+        sign * (typeof a === "string" ? names.compare(a, b) : a - b);
+      const sorted = [...data].sort((a, b) => order(value(a), value(b)) || sign * order(this.key(a), this.key(b))).slice(0, this.limit);
       const kept = new Set();
       let place = this.body.firstChild;
       for (const entry of sorted) {
@@ -299,8 +303,7 @@
       ["Phase", state ? state.phase : "–"],
       ["Step", state ? String(state.step) : "–", state ? `of about ${state.step_count}` : ""],
       ["Good share", state ? percent(state.good_share) : "–", "", "Of the samples of the last step"],
-      ["ln(volume)", fixed(volume, 2), "", "Sum over the free variables of ln(corridor width / design width)"],
-      ["Typical width", percent(width), "of range", "Geometric mean of the corridors' widths"],
+      ["ln(volume)", fixed(volume, 2), width == null ? "" : `${percent(width)} of range`, "Sum over the free variables of ln(corridor width / design width); beside it their geometric mean"],
       ["Purity (95 %)", state && state.purity_lower95 > 0 ? "≥ " + percent(state.purity_lower95, 2) : "–", "", "The share of good designs in the box, with 95 % confidence"],
       ["Designs", brief(run.samples)],
       ["Rate", isActive(run) && !isSilent(run) ? brief(run.rate) : "–", "1/s"],
@@ -363,16 +366,19 @@
       }),
     });
     return (bounds) => {
+      // The same points move: the corridor is seen to grow and shrink from where it was.
       ["lower", "upper"].forEach((side, s) => {
-        box[s].length = 0;
-        if (bounds[side].length) box[s].push(...points((i) => bounds[side][i] / 1e3));
+        const told = bounds[side].length ? points((i) => bounds[side][i] / 1e3) : [];
+        if (told.length === box[s].length) told.forEach((point, k) => { box[s][k].y = point.y; });
+        else box[s].splice(0, box[s].length, ...told);
       });
       figure.update();
     };
   }
 
-  // Models without springs, or a scenario that is not known: a bar a variable.
-  function intervalFigure(parent, variables) {
+  // Models without springs: a bar a variable, over its range in the design space. Where the scenario
+  // is not known, over plain values.
+  function intervalFigure(parent, variables, known) {
     const count = Math.min(variables.length, 200);
     const share = [];
     let bounds = { lower: [], upper: [] };
@@ -380,9 +386,9 @@
       title: "Interval of each variable", file: "intervals", type: "bar", wide: true,
       height: `${Math.max(10, 3.5 + count * 1.25)}rem`,
       labels: variables.slice(0, count).map((v) => v.name),
-      x: "Share of the design space [%]", y: "Variable",
+      x: known ? "Share of the design space [%]" : "Value [unit of the variable; N for forces]", y: "Variable",
       options: { indexAxis: "y", interaction: { mode: "index", intersect: false, axis: "y" } },
-      axes: { x: { min: 0, max: 100 }, y: { type: "category" } },
+      axes: { x: known ? { min: 0, max: 100 } : {}, y: { type: "category" } },
       datasets: () => [line("corridor", "series-1", share, { borderSkipped: false, borderWidth: 1, $bar: true, $opacity: 0.45, backgroundColor: faded(colour("series-1"), 0.45) })],
       tooltip: { callbacks: { label: (item) => `${bounds.lower[item.dataIndex]} to ${bounds.upper[item.dataIndex]}` } },
       describe: () => variables.slice(0, 30).map((v, i) => `${v.name}: ${bounds.lower[i]} to ${bounds.upper[i]}`).join("; ") + ".",
@@ -395,7 +401,7 @@
       bounds = told;
       share.length = 0;
       variables.slice(0, count).forEach((v, i) => {
-        const of = (value) => v.upper > v.lower ? (100 * (value - v.lower)) / (v.upper - v.lower) : 0;
+        const of = (value) => !known ? value : v.upper > v.lower ? (100 * (value - v.lower)) / (v.upper - v.lower) : 0;
         share.push(told.lower.length ? [of(told.lower[i]), of(told.upper[i])] : null);
       });
       figure.update();
@@ -405,7 +411,8 @@
   function drawCorridors() {
     const scenario = chosen && chosen.scenario;
     const bounds = chosen && chosen.bounds;
-    const next = scenario ? JSON.stringify([choice, scenario]) : JSON.stringify(choice);
+    const count = bounds ? bounds.lower.length : 0;
+    const next = JSON.stringify([choice, scenario || count]);
     if (shape !== next) {
       shape = next;
       [...Figures.all].filter((figure) => $("corridors").contains(figure.element)).forEach((figure) => figure.remove());
@@ -415,14 +422,17 @@
         const top = (direction) => Math.max(...list.filter((g) => g.direction === direction).flatMap((g) => g.indexes.map((i) => scenario.variables[i].upper / 1e3)));
         corridorFigures = list.map((group) => corridorFigure($("corridors"), scenario, group, top(group.direction)));
       } else if (scenario) {
-        corridorFigures = [intervalFigure($("corridors"), scenario.variables)];
+        corridorFigures = [intervalFigure($("corridors"), scenario.variables, true)];
+      } else if (count > 0) {
+        const numbered = bounds.lower.map((_, i) => ({ name: `variable ${i + 1}` }));
+        corridorFigures = [intervalFigure($("corridors"), numbered, false)];
       }
     }
     show($("corridors-note"), !chosen || !chosen.state ? "No search of this run is heard yet."
-      : !scenario ? "The scenario of this search is not known to the monitor, so its corridors cannot be drawn over the design space. It is asked for as long as the run goes on."
+      : !scenario ? "The monitor does not know the scenario of this search, so its corridors cannot be drawn over deformation and design space. It asks for it as long as the run goes on."
       : bounds.lower.length === 0 ? "This search has more variables than its messages carry: its corridors are in the run folder."
       : "Any force-deformation curve inside the corridors keeps the car safe, as far as the search has come.");
-    if (scenario && bounds) corridorFigures.forEach((draw) => draw(bounds));
+    if (bounds) corridorFigures.forEach((draw) => draw(bounds));
   }
 
   // Spans of steps in the same phase.
@@ -584,7 +594,7 @@
     $("link").dataset.state = live ? "live" : everHeard ? "lost" : "connecting";
     show($("link"), live ? "live" : everHeard ? "connection lost" : "connecting");
     $("stale").hidden = live || !everHeard;
-    show($("stale"), live || !everHeard ? "" : `The monitor is not heard for ${span(Math.floor(age))}. This picture is old; it goes on by itself when the monitor is back.`);
+    show($("stale"), live || !everHeard ? "" : `The monitor is not heard since ${heardTime}. This picture is old; it goes on by itself when the monitor is back.`);
     document.body.classList.toggle("is-stale", !live);
   }
 
