@@ -13,6 +13,11 @@ static const double balance_eagerness = 0.7;
 static const double balance_eager_min = 0.25;
 static const double balance_eager_max = 4;
 
+// The volume's gain rises likewise while a box is far too small or large, and falls back to what
+// was asked for when it has come near.
+static const double balance_volume_eagerness = 1.5;
+static const double balance_volume_doubt = 0.15; // agreement that leaves the gain as it is
+
 void balance_init(struct balance *balance, uint32_t variables)
 {
     const size_t sides = 2 * (size_t)variables + 1;
@@ -22,6 +27,7 @@ void balance_init(struct balance *balance, uint32_t variables)
     balance->sums = g_new(double, sides);
     for (size_t side = 0; side < sides; side++)
         balance->eager[side] = 1;
+    balance->volume_eager = 1;
 }
 
 void balance_fini(struct balance *balance)
@@ -82,6 +88,17 @@ static double eagerness(struct balance *balance, uint32_t side, double push)
     return balance->eager[side];
 }
 
+// Notes by how much the step lacked bad samples and returns the factor for the volume's gain. About
+// where the box comes to rest the lack changes its sign, and its mean is small.
+static double volume_eagerness(struct balance *balance, double lack, double most)
+{
+    const double agreement = clamp(lack * balance->volume_push, -0.5, 0.5) - balance_volume_doubt;
+    balance->volume_push += balance_memory * (clamp(lack, -1, 1) - balance->volume_push);
+    balance->volume_eager =
+        clamp(balance->volume_eager * (1 + balance_volume_eagerness * agreement), 1, most);
+    return balance->volume_eager;
+}
+
 void balance_move(struct balance *balance, struct box *box, const struct box *space,
                   const struct balance_step *step)
 {
@@ -98,7 +115,9 @@ void balance_move(struct balance *balance, struct box *box, const struct box *sp
     const double share = (double)bad / step->samples;
     // Linear in the share, so that noise does not shift where it comes to rest.
     const double lack = (step->bad_share - share) / (step->bad_share + 1.0 / step->samples);
-    const double out = step->volume_gain / (2.0 * variables) * clamp(lack, -1.5, 1);
+    const double volume_gain =
+        step->volume_gain * volume_eagerness(balance, lack, step->volume_eager_max);
+    const double out = volume_gain / (2.0 * variables) * clamp(lack, -1.5, 1);
     for (uint32_t v = 0; v < variables; v++) {
         const double width = box->upper[v] - box->lower[v];
         double move[2];

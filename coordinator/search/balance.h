@@ -21,9 +21,11 @@
 // 2v + 1 its upper bound.
 struct balance {
     uint32_t variables;
-    double *push;  // (sides) in -1..1: mean of the last pushes, inwards positive
-    double *eager; // (sides) by what the side's gain is multiplied
-    double *sums;  // (sides) scratch: weights of the bad samples along the side
+    double *push;        // (sides) in -1..1: mean of the last pushes, inwards positive
+    double *eager;       // (sides) by what the side's gain is multiplied
+    double *sums;        // (sides) scratch: weights of the bad samples along the side
+    double volume_push;  // in -1..1: mean of the last steps' lack of bad samples
+    double volume_eager; // by what the volume's gain is multiplied
 };
 
 // What one step showed and how it is used.
@@ -33,6 +35,7 @@ struct balance_step {
     double bad_share;        // to be approached
     double gain;             // how fast sides move against each other
     double volume_gain;      // how fast they move together towards bad_share
+    double volume_eager_max; // by what that may rise while the box is far too small or large, >= 1
     int threads;
 };
 

@@ -66,6 +66,7 @@ static void balance_once(const struct consolidate *consolidate, struct explore *
     step->bad_share = bad_share_now(consolidate);
     step->gain = explore_gain / (1 + consolidate_gain_fall * way);
     step->volume_gain = consolidate_volume_gain / (1 + consolidate_volume_gain_fall * way);
+    step->volume_eager_max = 1;
     explore_complete(explore, step);
 }
 

@@ -73,6 +73,7 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
                                                .bad_share = step->bad_share,
                                                .gain = step->gain,
                                                .volume_gain = step->volume_gain,
+                                               .volume_eager_max = step->volume_eager_max,
                                                .threads = step->threads};
         balance_move(&explore->balance, &explore->box, explore->space, &balancing);
     } else if (!few || explore->balancing || growth_exhausted(&explore->growth)) {
@@ -81,6 +82,8 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
     }
     if (!explore->balancing)
         growth_steer(&explore->growth, share);
+    if (volume_of(&explore->box, explore->space).mantissa > 0)
+        growth_calm(&explore->growth);
     prepare(explore);
 }
 

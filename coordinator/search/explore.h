@@ -36,6 +36,7 @@ struct explore_step {
     double bad_share; // to be approached when balancing
     double gain;      // as in struct balance_step
     double volume_gain;
+    double volume_eager_max;
     int threads;
 };
 

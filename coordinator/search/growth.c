@@ -4,6 +4,7 @@
 
 static const double growth_rate_first = 5; // of a fiftieth of the design space: a fifth in all
 static const double growth_rate_max = 1.0;
+static const double growth_rate_calm = 0.3;
 static const double growth_rate_min = 1e-4;
 static const double growth_width_least = 0.02; // of the design space
 static const double growth_share_least = 0.4;  // of good samples
@@ -52,6 +53,12 @@ void growth_steer(struct growth *growth, double good_share)
         growth->rate = growth_rate_max;
     if (growth->rate < growth_rate_min)
         growth->rate = growth_rate_min;
+}
+
+void growth_calm(struct growth *growth)
+{
+    if (growth->rate > growth_rate_calm)
+        growth->rate = growth_rate_calm;
 }
 
 bool growth_exhausted(const struct growth *growth)

@@ -26,6 +26,10 @@ bool growth_too_much(double good_share);
 // Changes the rate so that the next step keeps 70 to 80 % of its samples good.
 void growth_steer(struct growth *growth, double good_share);
 
+// Lowers the rate to one for a box that has a width in every variable: what makes a box of a point
+// would make the box so much larger that the next steps are spent on taking it back.
+void growth_calm(struct growth *growth);
+
 // Whether the rate has become so small that the box does not grow any more.
 bool growth_exhausted(const struct growth *growth);
 

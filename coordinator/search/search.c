@@ -11,8 +11,9 @@
 #include <string.h>
 
 enum {
-    SEARCH_CHUNK = 1024,      // samples made at once when a step is gone through
-    SEARCH_GOOD_KEPT = 512,   // good samples of a step that the trim may anchor on
+    SEARCH_SEEK_CHOICE = 4, // good designs sought for each start: a choice, lest a region be missed
+    SEARCH_CHUNK = 1024,    // samples made at once when a step is gone through
+    SEARCH_GOOD_KEPT = 512, // good samples of a step that the trim may anchor on
     SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
 };
 
@@ -21,6 +22,7 @@ static const double search_explore_bad = 0.3;
 
 // How fast the volume follows the good share while exploring: it has far to go.
 static const double search_explore_volume_gain = 1.2;
+static const double search_explore_volume_eager = 4; // at most, times as fast
 
 // The bad share to consolidate to, as a part of what the next certificate allows: so far below it
 // that the certificate passes with near certainty, and not further.
@@ -338,6 +340,7 @@ static void complete_explore(struct search *search)
     step.bad_share = search_explore_bad;
     step.gain = explore_gain;
     step.volume_gain = search_explore_volume_gain;
+    step.volume_eager_max = search_explore_volume_eager;
     const struct explore *sampled = current(search);
     const bool spent = tournament_complete(&search->tournament, &step);
     if (all_good(search) && explore_whole(sampled)) {
@@ -456,7 +459,8 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     cloud_init(&search->archive, search->space.count);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
-    seek_init(&search->seek, &search->space, tournament_starts(scenario->search.exploration_steps));
+    seek_init(&search->seek, &search->space,
+              SEARCH_SEEK_CHOICE * tournament_starts(scenario->search.exploration_steps));
     consolidate_init(&search->consolidate, &search->space);
     search->phase = SEARCH_PHASE_SEEK;
     ask_next(search);

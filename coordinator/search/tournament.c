@@ -1,6 +1,7 @@
 #include "coordinator/search/tournament.h"
 
 #include <assert.h>
+#include <glib.h>
 
 uint32_t tournament_starts(uint32_t step_count)
 {
@@ -13,17 +14,23 @@ uint32_t tournament_starts(uint32_t step_count)
 static uint32_t round_steps(const struct tournament *tournament)
 {
     const uint32_t fair = tournament->step_count / (4 * tournament->left_count);
-    // The last decision, between two, is taken after they have begun to balance.
-    const uint32_t wanted =
-        tournament->left_count == 2 ? 2 * TOURNAMENT_GROW_STEPS : TOURNAMENT_GROW_STEPS;
+    // Many boxes are told apart quickly, or steps run out. The last decision, between two, is taken
+    // after they have begun to balance.
+    uint32_t wanted = TOURNAMENT_GROW_STEPS;
+    if (tournament->left_count > TOURNAMENT_FEW)
+        wanted = TOURNAMENT_MANY_STEPS;
+    else if (tournament->left_count == 2)
+        wanted = 2 * TOURNAMENT_GROW_STEPS;
     return fair < 1 ? 1 : fair < wanted ? fair : wanted;
 }
 
 void tournament_start(struct tournament *tournament, const struct box *space,
                       const struct cloud *starts, uint32_t step_count)
 {
-    assert(starts->count >= 1 && starts->count <= TOURNAMENT_STARTS);
-    tournament->left_count = starts->count;
+    assert(starts->count >= 1);
+    tournament->count = tournament->left_count = starts->count;
+    tournament->explores = g_new0(struct explore, starts->count);
+    tournament->left = g_new(uint32_t, starts->count);
     tournament->step_count = step_count;
     for (uint32_t i = 0; i < starts->count; i++) {
         tournament->left[i] = i;
@@ -46,8 +53,10 @@ void tournament_award(struct tournament *tournament, const struct box *space, co
 
 void tournament_fini(struct tournament *tournament)
 {
-    for (uint32_t i = 0; i < TOURNAMENT_STARTS; i++)
+    for (uint32_t i = 0; i < tournament->count; i++)
         explore_fini(&tournament->explores[i]);
+    g_free(tournament->explores);
+    g_free(tournament->left);
     *tournament = (struct tournament){0};
 }
 

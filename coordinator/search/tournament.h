@@ -10,14 +10,17 @@
 #include "coordinator/search/explore.h"
 
 enum {
-    TOURNAMENT_STARTS = 4,       // at most
-    TOURNAMENT_START_STEPS = 25, // of exploration for each start beyond the first
-    TOURNAMENT_GROW_STEPS = 5,   // of each box until the first decision
+    TOURNAMENT_STARTS = 6,       // unless others are asked for
+    TOURNAMENT_START_STEPS = 20, // of exploration for each start beyond the first
+    TOURNAMENT_GROW_STEPS = 5,   // of each box until the next decision
+    TOURNAMENT_FEW = 4,          // boxes; with more of them
+    TOURNAMENT_MANY_STEPS = 3,   // steps until the next decision
 };
 
 struct tournament {
-    struct explore explores[TOURNAMENT_STARTS]; // zeroed: not taking part
-    uint32_t left[TOURNAMENT_STARTS]; // indexes of the boxes that are still in, best first
+    struct explore *explores; // (count) one for each start
+    uint32_t count;
+    uint32_t *left; // (left_count of count) indexes of the boxes that are still in, best first
     uint32_t left_count;
     uint32_t turn;          // place in `left` of the box whose step is next
     uint32_t turn_steps;    // steps it has left before the next one's turn
@@ -29,7 +32,7 @@ struct tournament {
 // How many starts are worth trying with so many steps of exploration: never one alone.
 uint32_t tournament_starts(uint32_t step_count);
 
-// Lines up a box for each of `starts` (at most TOURNAMENT_STARTS, at least 1). The tournament is
+// Lines up a box for each of `starts` (at least 1). The tournament is
 // zeroed before; the caller releases it with tournament_fini(). `space` is borrowed.
 void tournament_start(struct tournament *tournament, const struct box *space,
                       const struct cloud *starts, uint32_t step_count);

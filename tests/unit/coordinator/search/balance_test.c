@@ -102,6 +102,36 @@ static void good_box_grows_into_the_space(void **state)
     box_fini(&box);
 }
 
+// A box that is far too small grows faster and faster where that is allowed.
+static void small_box_gathers_speed(void **state)
+{
+    (void)state;
+    struct box space = box_cube(2, -1000, 1000);
+    struct cloud none;
+    cloud_init(&none, 2);
+    double width[2];
+    for (int eager = 0; eager < 2; eager++) {
+        struct box box = box_cube(2, -1, 1);
+        struct balance balance;
+        balance_init(&balance, 2);
+        const struct balance_step balancing = {.samples = SAMPLES,
+                                               .bad = &none,
+                                               .bad_share = 0.25,
+                                               .gain = 0.1,
+                                               .volume_gain = 0.1,
+                                               .volume_eager_max = eager ? 4 : 1,
+                                               .threads = 1};
+        for (int step = 0; step < 20; step++)
+            balance_move(&balance, &box, &space, &balancing);
+        width[eager] = box.upper[0] - box.lower[0];
+        balance_fini(&balance);
+        box_fini(&box);
+    }
+    assert_true(width[1] > 2 * width[0]);
+    cloud_fini(&none);
+    box_fini(&space);
+}
+
 // A variable whose interval has no width stays as it is and divides nothing by zero.
 static void flat_variable_stays(void **state)
 {
@@ -128,6 +158,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sides_come_to_the_largest_shape),
         cmocka_unit_test(good_box_grows_into_the_space),
+        cmocka_unit_test(small_box_gathers_speed),
         cmocka_unit_test(flat_variable_stays),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -71,12 +71,28 @@ static void rate_is_exhausted_by_bad_samples(void **state)
     assert_false(growth_exhausted(&growth));
 }
 
+// The rate at which a point becomes a box is far too much for the box.
+static void box_grows_calmly(void **state)
+{
+    (void)state;
+    struct growth growth;
+    growth_init(&growth);
+    growth_calm(&growth);
+    assert_true(growth.rate < 0.5);
+    const double calm = growth.rate;
+    growth_steer(&growth, 0);
+    const double steered = growth.rate;
+    growth_calm(&growth);
+    assert_true(steered < calm && growth.rate == steered);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(box_grows_by_its_own_width),
         cmocka_unit_test(point_grows_within_the_space),
         cmocka_unit_test(rate_settles_where_three_quarters_are_good),
+        cmocka_unit_test(box_grows_calmly),
         cmocka_unit_test(rate_is_exhausted_by_bad_samples),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

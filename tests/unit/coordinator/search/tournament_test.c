@@ -90,6 +90,7 @@ static void few_steps_mean_few_starts(void **state)
     (void)state;
     assert_int_equal(tournament_starts(0), 2);
     assert_int_equal(tournament_starts(20), 2);
+    assert_int_equal(tournament_starts(60), 4);
     assert_int_equal(tournament_starts(100), TOURNAMENT_STARTS);
     assert_int_equal(tournament_starts(100000), TOURNAMENT_STARTS);
 }
