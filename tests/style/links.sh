@@ -37,6 +37,8 @@ set -eu
         library["sqlite3.h"] = "PkgConfig::SQLITE"
         library["sodium.h"] = "PkgConfig::SODIUM"
         library["jansson.h"] = "PkgConfig::JANSSON"
+        library["microhttpd.h"] = "PkgConfig::MICROHTTPD"
+        library["curses.h"] = library["term.h"] = "PkgConfig::NCURSES"
         library["omp.h"] = "OpenMP::OpenMP_C"
         needs["sobox_lcmtypes"] = "PkgConfig::LCM"
         needs["PkgConfig::LCM"] = "PkgConfig::GLIB"
