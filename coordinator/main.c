@@ -3,6 +3,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep.h"
@@ -456,6 +457,7 @@ static int make_key(const char *path, struct error *error)
 
 int main(int argc, char **argv)
 {
+    streams_start();
     wait_policy_sleep(argv);
     struct options options;
     struct error error = {0};

@@ -2,6 +2,7 @@
 
 #include "coordinator/report/report.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
 
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -330,6 +331,7 @@ static enum status report(const struct options *options, struct error *error)
 
 int main(int argc, char **argv)
 {
+    streams_start();
     log_start("sobox-report", LOG_NORMAL);
     struct options options;
     struct error error = {0};

@@ -3,6 +3,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
 #include "monitor/feed/feed.h"
 #include "monitor/http/http.h"
 #include "monitor/record/record.h"
@@ -272,6 +273,7 @@ static enum status run(struct monitor *monitor, struct error *error)
 
 int main(int argc, char **argv)
 {
+    streams_start();
     struct error error = {0};
     struct monitor monitor = {0};
     log_start("sobox-monitor", LOG_NORMAL);

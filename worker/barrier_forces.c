@@ -3,6 +3,8 @@
 // worker/reduction; here are options and files.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
+#include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
 #include "worker/reduction/reduction.h"
 
@@ -208,11 +210,7 @@ static enum status write_design(const char *path, const struct design *design,
                                 const struct scenario *scenario, struct error *error)
 {
     g_autofree char *text = design_text(design, scenario);
-    g_autoptr(GError) reason = NULL;
-    if (!g_file_set_contents(path, text, -1, &reason)) {
-        return error_set(error, STATUS_IO, "%s: %s", path, reason->message);
-    }
-    return STATUS_OK;
+    return whole_file_write(path, text, strlen(text), error);
 }
 
 // What a person should look at before trusting the curves.
@@ -319,6 +317,7 @@ static enum status barrier_forces(const struct options *options, struct error *e
 
 int main(int argc, char **argv)
 {
+    streams_start();
     struct options options = {0};
     struct error error = {0};
     log_start("sobox-barrier-forces", LOG_NORMAL);

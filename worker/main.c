@@ -2,6 +2,7 @@
 // go while a coordinator runs.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/digest.h"
 #include "common/wire/key.h"
@@ -253,6 +254,7 @@ end:
 
 int main(int argc, char **argv)
 {
+    streams_start();
     wait_policy_sleep(argv);
     log_start("sobox-worker", LOG_NORMAL);
     struct options options = {.priority = WORKER_PRIORITY_DEFAULT, .mtu = WIRE_MTU_DEFAULT};

@@ -2,6 +2,8 @@
 // crash model it writes the trajectory and compares it with a measured or finite-element motion.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/streams.h"
+#include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
 #include "worker/batch/batch.h"
 #include "worker/kinematics/kinematics.h"
@@ -280,16 +282,11 @@ static GString *trajectory_text(const struct simulation *simulation,
     return text;
 }
 
-// Writes the trajectory completely or not at all: GLib writes beside the file, then renames.
 static enum status write_trajectory(const char *path, const struct simulation *simulation,
                                     const struct scenario *scenario, struct error *error)
 {
     GString *text = trajectory_text(simulation, scenario);
-    g_autoptr(GError) reason = NULL;
-    enum status status = STATUS_OK;
-    if (!g_file_set_contents(path, text->str, (gssize)text->len, &reason)) {
-        status = error_set(error, STATUS_IO, "%s: %s", path, reason->message);
-    }
+    const enum status status = whole_file_write(path, text->str, text->len, error);
     g_string_free(text, TRUE);
     return status;
 }
@@ -488,6 +485,7 @@ static enum status simulate(const struct options *options, struct error *error)
 
 int main(int argc, char **argv)
 {
+    streams_start();
     struct options options = {0};
     struct error error = {0};
     log_start("sobox-simulate", LOG_NORMAL);

@@ -1,9 +1,9 @@
 // result.json, corridors.csv, history.csv and, of a sweep, summary.csv. They are written side by
 // side, one search after the other, so that a sweep of any size costs the memory of one search.
+#include "common/base/whole_file.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
-#include "coordinator/report/whole_file.h"
 
 #include <assert.h>
 #include <inttypes.h>

@@ -1,9 +1,9 @@
 #include "coordinator/report/plot.h"
+#include "common/base/whole_file.h"
 #include "coordinator/report/bars.h"
 #include "coordinator/report/figure.h"
 #include "coordinator/report/gnuplot.h"
 #include "coordinator/report/run_data.h"
-#include "coordinator/report/whole_file.h"
 
 #include <assert.h>
 #include <glib/gstdio.h>

@@ -1,11 +1,11 @@
 // The pictures and documents of a sweep.
+#include "common/base/whole_file.h"
 #include "coordinator/report/document.h"
 #include "coordinator/report/overlay.h"
 #include "coordinator/report/plot.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/rows.h"
 #include "coordinator/report/volume.h"
-#include "coordinator/report/whole_file.h"
 
 #include <fnmatch.h>
 #include <inttypes.h>

@@ -122,3 +122,36 @@ disk_that_fills_in_mid_run_stops_it_and_loses_nothing()
 {
     _with_small_disk 140k _run_stops_and_goes_on
 }
+
+# Started with its streams closed, a program that opens files and sockets gets their numbers: what it
+# says must not be written into those.
+closed_streams_leave_the_run_as_it_is()
+{
+    run 0 sobox-coordinator "$scenario" --out calm
+    run 0 bash -c "exec sobox-coordinator '$scenario' --out untold --workers 2 2>&-"
+    expect_same_run calm untold
+    run 1 bash -c "exec sobox-coordinator '$scenario' --out silent --workers 2 <&- >&- 2>&-"
+    expect_same_run calm silent
+    expect_equal "$(journal silent 'PRAGMA integrity_check')" ok 'state of the journal'
+}
+
+# The last words of a program wait in a buffer, and are lost with it if nobody looks.
+standard_output_that_takes_nothing_is_told()
+{
+    local program
+    for program in coordinator worker simulate report monitor; do
+        run 1 bash -c "exec sobox-$program --version >/dev/full"
+        expect_said err 'standard output: No space left on device'
+    done
+    run 1 bash -c "exec sobox-coordinator '$scenario' --out run >/dev/full"
+    expect_equal "$(grep -c error: err)" 1 'times it was said'
+}
+
+trajectory_may_go_into_a_pipe()
+{
+    run 0 bash -c "sobox-simulate '$scenario' --trajectory /dev/stderr 2>&1 >/dev/null | cat"
+    expect_equal "$(head -n 1 out | cut -d , -f 1-4)" time_s,x_m,y_m,yaw_rad 'columns'
+    # Never named /dev/full: a program that errs would put a file there.
+    run 1 bash -c "exec sobox-simulate '$scenario' --trajectory /proc/self/fd/3 3>/dev/full"
+    expect_said err '/proc/self/fd/3: cannot be written: No space left on device'
+}

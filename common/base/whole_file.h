@@ -1,6 +1,10 @@
 // Files that are whole or absent: written beside their place, then renamed into it.
-#ifndef SOBOX_COORDINATOR_REPORT_WHOLE_FILE_H
-#define SOBOX_COORDINATOR_REPORT_WHOLE_FILE_H
+//
+// What is no regular file is written to as it is: a rename would put a file where a device was, and
+// whoever says /dev/stdout or a pipe wants what is behind it. Behind a symbolic link the file that
+// it leads to is replaced, and the link stays.
+#ifndef SOBOX_COMMON_BASE_WHOLE_FILE_H
+#define SOBOX_COMMON_BASE_WHOLE_FILE_H
 
 #include "common/base/error.h"
 
@@ -15,7 +19,7 @@ enum status whole_file_write(const char *path, const void *bytes, size_t size,
 struct whole_file {
     FILE *file; // to be written to, NULL before begin and after end
     char *path;
-    char *beside; // what is written until it is whole
+    char *beside; // what is written until it is whole; NULL: the path itself
 };
 
 // Errors: STATUS_IO; the struct is zeroed then.
