@@ -179,11 +179,13 @@ static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
 {
     *options = (struct options){.mtu = WIRE_MTU_DEFAULT};
+    // FILENAME takes the bytes as they come. STRING would convert them from the alphabet of the
+    // locale, and programs that write the same numbers everywhere set none.
     const GOptionEntry entries[] = {
         {"out", 'o', 0, G_OPTION_ARG_FILENAME, &options->out,
          "Run folder, absent or empty (default: the first free of runs/NAME, runs/NAME-2, ...)",
          "DIR"},
-        {"set", 's', 0, G_OPTION_ARG_STRING_ARRAY, &options->set,
+        {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
          "Override a key of the scenario, for instance response=rotating or "
          "springs.0.force_y.upper=2e5; may be repeated",
          "KEY.PATH=VALUE"},
@@ -204,7 +206,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Threads of this process and of each worker it starts (default: all processors)", "N"},
         {"mtu", 0, 0, G_OPTION_ARG_INT, &options->mtu,
          "Greatest message in bytes, the same for all workers (default: 1400)", "BYTES"},
-        {"only", 0, 0, G_OPTION_ARG_STRING, &options->only,
+        {"only", 0, 0, G_OPTION_ARG_FILENAME, &options->only,
          "Of a sweep run the cases whose names match, for instance 'mass=1500,*'", "PATTERN"},
         {"shard", 0, 0, G_OPTION_ARG_STRING, &options->shard,
          "Of a sweep run every N-th case from the I-th on, to split it over coordinators", "I/N"},
@@ -216,7 +218,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Print the cases of a sweep, estimate its time from a short measurement, and end", NULL},
         {"resume", 'r', 0, G_OPTION_ARG_FILENAME, &options->resume,
          "Continue the run in this folder, to the same bits", "DIR"},
-        {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show errors only", NULL},
+        {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show the result and errors only",
+         NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Show every decision", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,

@@ -55,18 +55,20 @@ struct simulation {
 static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
 {
+    // FILENAME takes the bytes as they come. STRING would convert them from the alphabet of the
+    // locale, and programs that write the same numbers everywhere set none.
     const GOptionEntry entries[] = {
         {"design", 'd', 0, G_OPTION_ARG_FILENAME, &options->design,
          "Forces of a CSV file, or of the design space: centre, lower, upper (default: centre)",
          "FILE.csv|centre|lower|upper"},
-        {"set", 's', 0, G_OPTION_ARG_STRING_ARRAY, &options->set,
+        {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
          "Override a key of the scenario, for instance vehicle.mass=1800; may be repeated",
          "KEY.PATH=VALUE"},
         {"trajectory", 't', 0, G_OPTION_ARG_FILENAME, &options->trajectory,
          "Write the motion and the springs of every time step", "FILE.csv"},
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
          "Print the mean absolute errors from this motion", "REF.csv"},
-        {"case", 'l', 0, G_OPTION_ARG_STRING, &options->load_case,
+        {"case", 'l', 0, G_OPTION_ARG_FILENAME, &options->load_case,
          "Simulate this one of the scenario's cases (default: all of them)", "NAME"},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,

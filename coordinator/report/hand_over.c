@@ -1,11 +1,11 @@
 // What leaves for other departments, and what comes back: curves for their solvers, and measured
 // curves held against the corridors.
+#include "common/base/whole_file.h"
 #include "coordinator/report/curves.h"
 #include "coordinator/report/leaving.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/units.h"
-#include "coordinator/report/whole_file.h"
 
 #include "common/scenario/sheet.h"
 

@@ -141,3 +141,11 @@ wrong_override_is_refused()
     run 2 sobox-coordinator "$scenario" --out run --seed many
     expect_one_line err
 }
+
+# Whatever the locale: in none of them does a name have to be plain ASCII.
+override_may_be_written_in_any_alphabet()
+{
+    run 0 env LC_ALL=C sobox-coordinator "$scenario" --set 'name=Weißer Käfer' --out 'über alles'
+    expect_equal "$(json 'über alles/result.json' '$.name')" 'Weißer Käfer' 'name'
+    run 0 env LC_ALL=C sobox-simulate "$scenario" --set 'name=Weißer Käfer'
+}
