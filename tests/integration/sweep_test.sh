@@ -28,13 +28,6 @@ _expect_same_sweep() # RUN RUN
     cmp "$1/history.csv" "$2/history.csv" || fail "the histories of $1 and $2 differ"
 }
 
-_has_done() # RUN COUNT
-{
-    local count
-    count=$(journal "$1" 'SELECT count(*) FROM search WHERE finished' 2>/dev/null) &&
-        [ "$count" -ge "$2" ]
-}
-
 every_case_gives_the_digest_of_its_scenario_alone()
 {
     _write_sweep 3
@@ -58,15 +51,15 @@ sweep_is_the_same_over_any_workers_and_threads()
 
 sweep_killed_in_its_middle_resumes_to_the_same_rows()
 {
-    _write_sweep 8
-    run 0 sobox-coordinator sweep.yaml --out calm
-    local count
-    start coordinator sobox-coordinator sweep.yaml --out run --threads 1
-    for count in 1 5 9; do
-        wait_until "$count searches are done" _has_done run "$count"
+    _write_sweep 4
+    run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
+    local steps
+    start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
+    for steps in 10 60 120; do
+        wait_for_steps run "$steps"
         signal KILL coordinator
         finish 137 coordinator
-        start coordinator sobox-coordinator --resume run --threads 2
+        start coordinator sobox-coordinator --resume run --threads 1
     done
     finish 0 coordinator
     _expect_same_sweep calm run
@@ -74,10 +67,10 @@ sweep_killed_in_its_middle_resumes_to_the_same_rows()
 
 ctrl_c_in_a_sweep_over_worker_processes_resumes_to_the_same_rows()
 {
-    _write_sweep 6
-    run 0 sobox-coordinator sweep.yaml --out calm
-    start coordinator sobox-coordinator sweep.yaml --out run --workers 2
-    wait_until 'a search is done' _has_done run 1
+    _write_sweep 4
+    run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
+    start coordinator sobox-coordinator sweep.yaml --out run --workers 2 "${steady[@]}"
+    wait_for_steps run 50
     press_ctrl_c coordinator
     finish 130 coordinator
     expect_said coordinator.err '--resume run'
@@ -142,6 +135,22 @@ case_without_a_good_design_is_a_row()
     expect_equal "$(journal run 'SELECT group_concat(status) FROM search')" 'done,no_good_design' \
         'status of the searches'
     run 3 sobox-coordinator sweep.yaml --out none --only '*=1.2,*'
+}
+
+# Somebody changed what one search has done so far: it cannot go on, the others can.
+search_that_fails_is_a_row_and_not_the_end()
+{
+    _write_sweep 4
+    start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
+    wait_for_steps run 12
+    signal KILL coordinator
+    finish 137 coordinator
+    sqlite3 run/run.db 'UPDATE step SET bounds = zeroblob(length(bounds)) WHERE id = 1'
+    run 1 sobox-coordinator --resume run
+    expect_said err 'step 1 of the journal is not what the search asks for'
+    expect_said err '1 of 8 searches could not be carried out.*--resume run'
+    expect_equal "$(journal run 'SELECT count(*) FROM search WHERE finished')" 7 'searches done'
+    expect_said run/summary.csv '^"mass=1500,seed=1",1500,1,failed,'
 }
 
 invalid_case_is_named_before_anything_starts()

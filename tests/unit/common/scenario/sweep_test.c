@@ -353,6 +353,45 @@ static void greatest_sweep_is_read(void **state)
     sweep_free(sweep);
 }
 
+// Whatever bytes stand in a sweep file or its table, the answer is a sweep or a message; the cases
+// of what is accepted can be named and read.
+static void random_damage_is_refused_or_harmless(void **state)
+{
+    static const char yaml[] = HEAD "axes:\n  - {path: vehicle.mass, values: [1, [2, {a: 'b'}]]}\n"
+                                    "  - zip:\n      - {path: search.samples, range: [1, 9, 4]}\n"
+                                    "      - {path: firewall_distance, linspace: [0.1, 0.3, 3]}\n"
+                                    "  - csv: table.csv\nreplicates: 3\n";
+    static const char csv[] =
+        "case, response,\"vehicle.speed\"\nfirst,any,17\n\"a \"\"b\"\"\",x,3\n";
+    const struct folder *folder = *state;
+    GRand *random = g_rand_new_with_seed(20161);
+    for (int round = 0; round < 400; round++) {
+        char *texts[] = {g_strdup(yaml), g_strdup(csv)};
+        char *damaged = texts[round % 2];
+        for (int i = 0; i <= round % 7; i++)
+            damaged[g_rand_int_range(random, 0, (gint32)strlen(damaged))] =
+                round % 3 == 0 ? (char)g_rand_int_range(random, 1, 256)
+                               : "\"',:[]{}\n #-=.09"[g_rand_int_range(random, 0, 18)];
+        write_file(folder, "table.csv", texts[1]);
+        struct sweep *sweep = NULL;
+        struct error error = {0};
+        if (read_sweep(folder, texts[0], NULL, &sweep, &error) == STATUS_OK) {
+            char name[SWEEP_CASE_NAME_SIZE];
+            struct scenario scenario;
+            const uint32_t last = sweep_case_count(sweep) - 1;
+            assert_true(strlen(sweep_case_name(sweep, last, name)) > 0);
+            if (sweep_scenario(sweep, last, &scenario, &error) == STATUS_OK)
+                scenario_fini(&scenario);
+            sweep_free(sweep);
+        } else {
+            assert_true(strlen(error.text) > 0);
+        }
+        g_free(texts[0]);
+        g_free(texts[1]);
+    }
+    g_rand_free(random);
+}
+
 int main(void)
 {
 #define RUN_TEST(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
@@ -364,6 +403,7 @@ int main(void)
         RUN_TEST(options_change_the_base_but_no_axis),
         RUN_TEST(sweep_is_told_from_scenario_by_its_key),
         RUN_TEST(greatest_sweep_is_read),
+        RUN_TEST(random_damage_is_refused_or_harmless),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
