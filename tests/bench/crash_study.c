@@ -182,6 +182,118 @@ static void study_reloading(uint32_t designs)
     }
 }
 
+// ---- The time step ----
+
+// What the time step must not change by more than this for 99 % of the designs.
+static const struct {
+    enum outcome outcome;
+    double bound;
+} step_outcomes[] = {{OUTCOME_S_L, 1e-3}, {OUTCOME_ABWAP, 2e-3}, {OUTCOME_ABWP, 2e-3}};
+
+static const char *const step_integrators[] = {
+    "central_difference",
+    "velocity_verlet",
+    "event_verlet",
+    "runge_kutta_4",
+};
+static const char *const step_sizes[] = {"2e-3", "1e-3", "5e-4",  "2.5e-4",
+                                         "1e-4", "5e-5", "2.5e-5"};
+enum { STEP_SIZES = G_N_ELEMENTS(step_sizes), STEP_OUTCOMES = G_N_ELEMENTS(step_outcomes) };
+static const char step_converged[] = "simulation.time_step=2e-6";
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const double one = *(const double *)a;
+    const double other = *(const double *)b;
+    return (one > other) - (one < other);
+}
+
+// The 99th percentile of the differences of one outcome.
+static double step_error(const struct study_outcomes *coarse, const struct study_outcomes *fine,
+                         enum outcome outcome)
+{
+    const size_t row = (size_t)outcome * coarse->designs;
+    g_autofree double *difference = g_new(double, coarse->designs);
+    for (uint32_t i = 0; i < coarse->designs; i++) {
+        difference[i] = fabs(coarse->outcome[row + i] - fine->outcome[row + i]);
+    }
+    qsort(difference, coarse->designs, sizeof *difference, compare_numbers);
+    return difference[(size_t)(0.99 * (coarse->designs - 1))];
+}
+
+static uint32_t step_verdicts_changed(const struct scenario *scenario,
+                                      const struct study_outcomes *coarse,
+                                      const struct study_outcomes *fine)
+{
+    uint32_t changed = 0;
+    for (uint32_t i = 0; i < coarse->designs; i++) {
+        changed += study_is_good(scenario, coarse, i) != study_is_good(scenario, fine, i);
+    }
+    return changed;
+}
+
+// Evaluates the design space of a scenario with an integrator and a time step.
+static struct study_outcomes step_evaluate(const char *name, const char *integrator,
+                                           const char *time_step, uint32_t designs)
+{
+    struct scenario scenario =
+        study_scenario(name, (const char *const[4]){integrator, time_step, NULL, NULL});
+    const struct study_outcomes outcomes =
+        study_evaluate(&scenario, &scenario.design_space, designs);
+    scenario_fini(&scenario);
+    return outcomes;
+}
+
+// The responses have the same outcomes and differ in the verdicts.
+static void step_rows(const char *name, const char *integrator, uint32_t designs,
+                      const struct study_outcomes *fine)
+{
+    g_autofree char *chosen = g_strdup_printf("simulation.integrator=%s", integrator);
+    for (int size = 0; size < STEP_SIZES; size++) {
+        g_autofree char *step = g_strdup_printf("simulation.time_step=%s", step_sizes[size]);
+        struct study_outcomes coarse = step_evaluate(name, chosen, step, designs);
+        bool met = true;
+        printf("| %s | %s | %s |", name, integrator, step_sizes[size]);
+        for (int i = 0; i < STEP_OUTCOMES; i++) {
+            const double error = step_error(&coarse, fine, step_outcomes[i].outcome);
+            met &= error <= step_outcomes[i].bound;
+            printf(" %.5f |", error);
+        }
+        for (size_t i = 0; i < G_N_ELEMENTS(study_responses); i++) {
+            g_autofree char *response = g_strdup_printf("response=%s", study_responses[i]);
+            struct scenario scenario =
+                study_scenario(name, (const char *const[4]){response, NULL, NULL, NULL});
+            printf(" %u |", step_verdicts_changed(&scenario, &coarse, fine));
+            scenario_fini(&scenario);
+        }
+        printf(" %s |\n", met ? "yes" : "");
+        fflush(stdout);
+        g_free(coarse.outcome);
+        if (met) {
+            break;
+        }
+    }
+}
+
+static void study_steps(uint32_t designs)
+{
+    printf("%u designs of each design space against Runge-Kutta with 2 us: 99th percentile of the "
+           "differences, and verdicts that change. Steps are halved until s_L is within 1 mm and "
+           "AbWAP and AbWP within 0.002.\n\n"
+           "| scenario | integrator | step [s] | s_L [m] | AbWAP | AbWP | any | rotating "
+           "| glancing_off | met |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+           designs);
+    for (size_t i = 0; i < G_N_ELEMENTS(study_scenarios); i++) {
+        struct study_outcomes fine = step_evaluate(
+            study_scenarios[i], "simulation.integrator=runge_kutta_4", step_converged, designs);
+        for (size_t k = 0; k < G_N_ELEMENTS(step_integrators); k++) {
+            step_rows(study_scenarios[i], step_integrators[k], designs, &fine);
+        }
+        g_free(fine.outcome);
+    }
+}
+
 // ---- The program ----
 
 int main(int argc, char **argv)
@@ -194,6 +306,10 @@ int main(int argc, char **argv)
     }
     if (strcmp(study, "reloading") == 0) {
         study_reloading(designs);
+        return 0;
+    }
+    if (strcmp(study, "steps") == 0) {
+        study_steps(designs);
         return 0;
     }
     fprintf(stderr, "expected: crash_study reloading|steps [DESIGNS]\n");

@@ -3,9 +3,10 @@
 //
 //     case,path,us_per_design,designs_per_s,gflops,share_of_fma_peak
 //
-// `case` is spring pairs x points of a curve @ time step. Floating-point operations are counted as
-// the kernel does them, a fused multiply-add as two, a division as one, comparisons and choices
-// not.
+// `case` is spring pairs x points of a curve @ time step, with `-events` for event Verlet, else
+// central difference. Floating-point operations are counted as the kernel does them, a fused
+// multiply-add as two, a division as one, comparisons and choices not; of event Verlet what central
+// difference does.
 #include "worker/kinematics/kinematics.h"
 
 #include <glib.h>
@@ -28,6 +29,7 @@ struct bench_case {
     uint32_t pairs;
     uint32_t points;
     double time_step; // [s]
+    enum kinematics_integrator integrator;
 };
 
 // A sedan; springs from the wheel inwards, all struck by the barrier at first.
@@ -57,6 +59,7 @@ static struct kinematics_problem *bench_problem(const struct bench_case *bench)
         .spring_count = bench->pairs,
         .duration = 0.150,
         .time_step = bench->time_step,
+        .integrator = bench->integrator,
     };
     return kinematics_create(&setup);
 }
@@ -172,35 +175,50 @@ static double bench_peak(void)
 }
 #endif
 
+// Prints a row for each path.
+static void bench_run(const struct bench_case *bench, double peak)
+{
+    struct kinematics_problem *problem = bench_problem(bench);
+    const uint32_t value_count = kinematics_value_count(problem);
+    double *values = g_new(double, (size_t)value_count *BENCH_DESIGNS);
+    double *results = g_new(double, (size_t)kinematics_result_count(problem) * BENCH_DESIGNS);
+    bench_fill(values, value_count, bench->pairs);
+    for (int path = 0; path < KINEMATICS_PATH_COUNT; path++) {
+        if (!kinematics_path_supported((enum kinematics_path)path)) {
+            continue;
+        }
+        const double time = bench_time(problem, (enum kinematics_path)path, values, results);
+        const double rate = bench_flops(bench) / time;
+        printf("%ux%u@%gms%s,%s,%.3f,%.0f,%.2f,%.3f\n", bench->pairs, bench->points,
+               1e3 * bench->time_step,
+               bench->integrator == KINEMATICS_EVENT_VERLET ? "-events" : "",
+               kinematics_path_name((enum kinematics_path)path), 1e6 * time, 1.0 / time,
+               1e-9 * rate, rate / peak);
+        fflush(stdout);
+    }
+    g_free(values);
+    g_free(results);
+    kinematics_free(problem);
+}
+
 int main(void)
 {
-    static const struct bench_case cases[] = {
-        {1, 9, 1e-3}, {5, 3, 1e-3}, {9, 3, 1e-3}, {40, 3, 1e-3},
-        {1, 9, 1e-4}, {5, 3, 1e-4}, {9, 3, 1e-4}, {40, 3, 1e-4},
+    static const uint32_t sizes[][2] = {{1, 9}, {5, 3}, {9, 3}, {40, 3}}; // pairs, points
+    static const struct bench_case ways[] = {
+        {.time_step = 1e-3},
+        {.time_step = 1e-4},
+        {.time_step = 1e-3, .integrator = KINEMATICS_EVENT_VERLET},
     };
     const double peak = bench_peak();
     printf("# fma peak of one core: %.1f GFLOP/s\n", 1e-9 * peak);
     printf("case,path,us_per_design,designs_per_s,gflops,share_of_fma_peak\n");
-    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-        struct kinematics_problem *problem = bench_problem(&cases[i]);
-        const uint32_t value_count = kinematics_value_count(problem);
-        double *values = g_new(double, (size_t)value_count *BENCH_DESIGNS);
-        double *results = g_new(double, (size_t)kinematics_result_count(problem) * BENCH_DESIGNS);
-        bench_fill(values, value_count, cases[i].pairs);
-        for (int path = 0; path < KINEMATICS_PATH_COUNT; path++) {
-            if (!kinematics_path_supported((enum kinematics_path)path)) {
-                continue;
-            }
-            const double time = bench_time(problem, (enum kinematics_path)path, values, results);
-            const double rate = bench_flops(&cases[i]) / time;
-            printf("%ux%u@%gms,%s,%.3f,%.0f,%.2f,%.3f\n", cases[i].pairs, cases[i].points,
-                   1e3 * cases[i].time_step, kinematics_path_name((enum kinematics_path)path),
-                   1e6 * time, 1.0 / time, 1e-9 * rate, rate / peak);
-            fflush(stdout);
+    for (size_t way = 0; way < G_N_ELEMENTS(ways); way++) {
+        for (size_t size = 0; size < G_N_ELEMENTS(sizes); size++) {
+            struct bench_case bench = ways[way];
+            bench.pairs = sizes[size][0];
+            bench.points = sizes[size][1];
+            bench_run(&bench, peak);
         }
-        g_free(values);
-        g_free(results);
-        kinematics_free(problem);
     }
     return 0;
 }

@@ -95,11 +95,19 @@ static void runge_kutta_agrees_with_the_equations(void **state)
     assert_agreement(KINEMATICS_RUNGE_KUTTA_4, KINEMATICS_RELOADING_CRUSHED);
 }
 
+static void event_verlet_agrees_with_the_equations(void **state)
+{
+    (void)state;
+    assert_agreement(KINEMATICS_EVENT_VERLET, KINEMATICS_RELOADING_THESIS);
+    assert_agreement(KINEMATICS_EVENT_VERLET, KINEMATICS_RELOADING_CRUSHED);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(central_difference_agrees_with_the_equations),
         cmocka_unit_test(velocity_verlet_agrees_with_the_equations),
+        cmocka_unit_test(event_verlet_agrees_with_the_equations),
         cmocka_unit_test(runge_kutta_agrees_with_the_equations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

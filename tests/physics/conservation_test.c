@@ -73,7 +73,9 @@ static void work_is_the_loss_of_kinetic_energy(void **state)
     (void)state;
     assert_true(energy_error(KINEMATICS_CENTRAL_DIFFERENCE, 1e-3) < 1e-11);
     assert_true(energy_error(KINEMATICS_VELOCITY_VERLET, 1e-3) < 1e-11);
+    assert_true(energy_error(KINEMATICS_EVENT_VERLET, 1e-3) < 1e-11);
     assert_true(energy_error(KINEMATICS_CENTRAL_DIFFERENCE, 5e-3) < 1e-11);
+    assert_true(energy_error(KINEMATICS_EVENT_VERLET, 5e-3) < 1e-11);
 }
 
 // Runge-Kutta balances them as well as it integrates: the jumps of the force at contact and release

@@ -93,8 +93,8 @@ static void all_schemes_converge_to_the_same_crash(void **state)
     (void)state;
     static const double values[12] = {60e3, 200e3, 260e3, 30e3, 120e3, 90e3,
                                       30e3, 100e3, 90e3,  20e3, 40e3,  60e3};
-    double results[3][RESULTS];
-    for (int integrator = 0; integrator < 3; integrator++) {
+    double results[4][RESULTS];
+    for (int integrator = 0; integrator < 4; integrator++) {
         struct sedan sedan;
         sedan_init(&sedan, 2, 3);
         sedan.setup.profile = KINEMATICS_PROFILE_ROUNDED;
@@ -106,6 +106,49 @@ static void all_schemes_converge_to_the_same_crash(void **state)
     }
     assert_true(difference(results[0], results[1]) < 1e-5);
     assert_true(difference(results[0], results[2]) < 1e-5);
+    assert_true(difference(results[0], results[3]) < 1e-5);
+}
+
+// The mean error of s_L [m] over random designs of crashes that make and lose contact.
+static double contact_error(enum kinematics_integrator integrator, double time_step)
+{
+    enum { DESIGNS = 64, VALUES = 2 * 3 * 2 };
+    static double values[VALUES * DESIGNS];
+    static double results[2][RESULTS * DESIGNS];
+    uint64_t seed = 1;
+    for (int fine = 0; fine < 2; fine++) {
+        struct sedan sedan;
+        sedan_init(&sedan, 2, 3);
+        sedan.deformation[1][0] = 0.2; // reached, with a force, in mid-crash
+        sedan.setup.integrator = fine ? KINEMATICS_RUNGE_KUTTA_4 : integrator;
+        sedan.setup.time_step = fine ? 2e-6 : time_step;
+        struct kinematics_problem *problem = kinematics_create(&sedan.setup);
+        if (!fine) {
+            sedan_forces(&sedan, VALUES, &seed, DESIGNS, values, DESIGNS);
+        }
+        kinematics_evaluate(problem, DESIGNS, values, results[fine], DESIGNS);
+        kinematics_free(problem);
+    }
+    double sum = 0.0;
+    for (int i = 0; i < DESIGNS; i++) {
+        const size_t at = (size_t)KINEMATICS_LENGTH_LAST * DESIGNS + (size_t)i;
+        sum += fabs(results[0][at] - results[1][at]);
+    }
+    return sum / DESIGNS;
+}
+
+// Contacts made and lost within steps are what makes every other scheme one of first order; found
+// and made good they leave the second order of Verlet. At 1 ms that is 10 mm against 0.2.
+static void event_verlet_stays_of_second_order_through_contacts(void **state)
+{
+    (void)state;
+    const double coarse = contact_error(KINEMATICS_EVENT_VERLET, 1e-3);
+    const double fine = contact_error(KINEMATICS_EVENT_VERLET, 2.5e-4);
+    const double verlet = contact_error(KINEMATICS_VELOCITY_VERLET, 1e-3);
+    print_message("mean error of s_L: %.2g mm at 1 ms, %.2g mm at 0.25 ms; Verlet %.2g mm\n",
+                  1e3 * coarse, 1e3 * fine, 1e3 * verlet);
+    assert_true(coarse < 0.5e-3 && coarse < 0.1 * verlet);
+    assert_true(log2(coarse / fine) / 2.0 > 1.7);
 }
 
 int main(void)
@@ -114,6 +157,7 @@ int main(void)
         cmocka_unit_test(runge_kutta_is_of_fourth_order),
         cmocka_unit_test(velocity_verlet_is_of_second_order),
         cmocka_unit_test(central_difference_is_of_first_order_when_forces_act_at_once),
+        cmocka_unit_test(event_verlet_stays_of_second_order_through_contacts),
         cmocka_unit_test(all_schemes_converge_to_the_same_crash),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

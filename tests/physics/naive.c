@@ -14,6 +14,12 @@ struct naive_spring {
     double force[2]; // [N] in vehicle axes
     double work[1];  // [J] done on the vehicle
     double before;   // [m] deformation that loading is told from
+    double margin;   // [m] to the nearer end of the face
+    // Of the time before, for event Verlet.
+    double deformation_before; // [m]
+    double growth_before;      // [m] over the step before that time
+    double margin_before;      // [m]
+    bool acted[2];             // the load branch, the unload branch
 };
 
 struct naive {
@@ -21,8 +27,11 @@ struct naive {
     const double *values;
     struct naive_spring springs[KINEMATICS_SPRING_MAX];
     double force[2]; // [N] sums in road axes
+    double felt;     // [N] in x, without what event Verlet makes good
     double moment;   // [Nm]
     double work_rate[KINEMATICS_SPRING_MAX];
+    bool slipped;       // event Verlet: spring 0 left the face within the step,
+    double slip_length; // [m] at this length
     // Gathered for the results.
     double length_last, length_min, yaw_max, ax_max, ax_sum;
     double contacts;
@@ -46,6 +55,16 @@ static double interpolate(const struct kinematics_curve *curve, const double *fo
     return force[i] + share * (force[i + 1] - force[i]);
 }
 
+// The same where the first segment continues below the first point.
+static double line(const struct kinematics_curve *curve, const double *force, double s)
+{
+    if (s >= curve->deformation[0]) {
+        return interpolate(curve, force, s);
+    }
+    const double slope = (force[1] - force[0]) / (curve->deformation[1] - curve->deformation[0]);
+    return force[0] + slope * (s - curve->deformation[0]);
+}
+
 // Where the line from P1 along -(cos, sin) meets the barrier.
 static void project(const struct kinematics_setup *setup, const double q[FREEDOM],
                     const struct kinematics_spring *at, struct naive_spring *spring)
@@ -60,6 +79,7 @@ static void project(const struct kinematics_setup *setup, const double q[FREEDOM
     spring->length = (p1[0] - setup->face_x) / c;
     spring->normal[0] = 1.0;
     spring->normal[1] = 0.0;
+    const double flat_y = spring->p2[1];
     bool meets = spring->p2[1] >= setup->edge_y - setup->width && spring->p2[1] <= setup->edge_y;
     if (setup->profile == KINEMATICS_PROFILE_ROUNDED &&
         spring->p2[1] > setup->edge_y - setup->edge_radius) {
@@ -82,19 +102,118 @@ static void project(const struct kinematics_setup *setup, const double q[FREEDOM
             }
         }
     }
+    spring->margin = fmin(setup->edge_y - flat_y, flat_y - (setup->edge_y - setup->width));
+    if (setup->profile == KINEMATICS_PROFILE_ROUNDED &&
+        flat_y > setup->edge_y - setup->edge_radius) {
+        // Distance of the line from the circle's centre, towards the vehicle's left, and P2 or the
+        // foot of the centre on the line.
+        const double r = setup->edge_radius;
+        const double w[2] = {p1[0] - (setup->face_x - r), p1[1] - (setup->edge_y - r)};
+        const double left = w[0] * sn - w[1] * c;
+        const double chord = sqrt(fmax(r * r - left * left, 0.0));
+        spring->margin = fmin(r + left, chord * c + left * sn);
+    }
     spring->deformation = at->length - spring->length;
     spring->contact = meets && spring->deformation > 0.0 && c > 0.0;
 }
 
+// Where a straight line from a to b is 0, from 0 at a to 1 at b.
+static double crossing(double a, double b)
+{
+    return a / (a - b);
+}
+
+// What a branch did within the step beside the half steps that count anyway, for all of the force
+// that it has: the mean force over the part of the step in which it acted.
+static double missed(const struct kinematics_setup *setup, const struct kinematics_curve *curve,
+                     const double *force, const struct naive_spring *spring, bool was, bool is,
+                     bool loading, double reference)
+{
+    const double s = spring->deformation;
+    const double s_before = spring->deformation_before;
+    const double growth = s - s_before;
+    const double start = fmax(curve->deformation[0], 0.0);
+    bool grew = spring->growth_before > 0.0;
+    const bool grows = s > reference;
+    const double turn = crossing(spring->growth_before, growth) - 0.5;
+    if (setup->reloading == KINEMATICS_RELOADING_CRUSHED && s_before < reference) {
+        grew = false;
+    }
+    const double slip = crossing(spring->margin_before, spring->margin);
+    const double reach = crossing(s_before - start, s - start);
+    double at = was ? 1.0 : -0.5;
+    if (was) {
+        at = spring->margin < 0.0 ? fmin(at, slip) : at;
+        at = s <= start ? fmin(at, reach) : at;
+        at = loading && !grows ? fmin(at, turn) : at;
+    } else {
+        at = spring->margin_before < 0.0 ? fmax(at, slip) : at;
+        at = s_before <= start ? fmax(at, reach) : at;
+        at = !loading && grew && !grows ? fmax(at, turn) : at;
+    }
+    if (was == is || (grows && !grew)) {
+        return 0.0;
+    }
+    const double share = was ? at : 1.0 - at;
+    // The branch is a straight line beyond its first point here.
+    const double there = line(curve, force, s_before + at * growth);
+    const double near = line(curve, force, was ? s_before : s);
+    return 0.5 * (share * (near + there) - near);
+}
+
+// Adds to a spring's force what began and ended within the step; notes what the next step has to
+// know.
+static void make_good(struct naive *naive, uint32_t index, const double *values, bool grows,
+                      double reference, double weight)
+{
+    const struct kinematics_setup *setup = naive->setup;
+    const struct kinematics_spring *at = &setup->springs[index];
+    struct naive_spring *spring = &naive->springs[index];
+    const double s = spring->deformation;
+    const bool acts[2] = {
+        spring->contact && grows && s >= at->load.deformation[0],
+        spring->contact && !grows && at->unload.point_count > 0 && s >= at->unload.deformation[0],
+    };
+    for (int direction = 0; direction < 2 && weight > 0.0; direction++) {
+        const double *load = values + direction * at->load.point_count;
+        const double *unload =
+            values + 2 * at->load.point_count + direction * at->unload.point_count;
+        spring->force[direction] +=
+            missed(setup, &at->load, load, spring, spring->acted[0], acts[0], true, reference) /
+            weight;
+        if (at->unload.point_count > 0) {
+            spring->force[direction] += missed(setup, &at->unload, unload, spring, spring->acted[1],
+                                               acts[1], false, reference) /
+                                        weight;
+        }
+    }
+    if (index == 0) {
+        naive->slipped = weight > 0.0 && spring->margin < 0.0 && spring->margin_before >= 0.0 &&
+                         spring->deformation_before > 0.0 && !spring->contact;
+        naive->slip_length =
+            at->length - spring->deformation_before -
+            crossing(spring->margin_before, spring->margin) * (s - spring->deformation_before);
+    }
+    spring->growth_before =
+        weight > 0.0 ? s - spring->deformation_before : setup->speed * setup->time_step;
+    spring->deformation_before = s;
+    spring->margin_before = spring->margin;
+    spring->acted[0] = acts[0];
+    spring->acted[1] = acts[1];
+}
+
 // Forces at a place; v is NULL where loading is told from the deformation before.
-static void forces(struct naive *naive, const double q[FREEDOM], const double *v, bool settled)
+// `weight` is the part of a step over which they act, 0 at time 0.
+static void forces(struct naive *naive, const double q[FREEDOM], const double *v, bool settled,
+                   double weight)
 {
     const struct kinematics_setup *setup = naive->setup;
     const double c = cos(q[YAW]);
     const double sn = sin(q[YAW]);
     const double cog[2] = {setup->cog[0] + q[X], setup->cog[1] + q[Y]};
     const double *values = naive->values;
-    naive->force[0] = naive->force[1] = naive->moment = 0.0;
+    naive->force[0] = naive->force[1] = naive->moment = naive->felt = 0.0;
+    const bool events = setup->integrator == KINEMATICS_EVENT_VERLET;
     for (uint32_t i = 0; i < setup->spring_count; i++) {
         const struct kinematics_spring *at = &setup->springs[i];
         struct naive_spring *spring = &naive->springs[i];
@@ -105,6 +224,7 @@ static void forces(struct naive *naive, const double q[FREEDOM], const double *v
             const double vp[2] = {v[X] - v[YAW] * arm[1], v[Y] + v[YAW] * arm[0]};
             grows = vp[0] * spring->normal[0] + vp[1] * spring->normal[1] < 0.0;
         }
+        const double reference = spring->before;
         if (settled && setup->reloading == KINEMATICS_RELOADING_THESIS) {
             spring->before = spring->deformation;
         } else if (settled && spring->contact) {
@@ -121,6 +241,10 @@ static void forces(struct naive *naive, const double q[FREEDOM], const double *v
                 force = interpolate(&at->unload, unload, spring->deformation);
             }
             spring->force[direction] = force;
+        }
+        naive->felt += c * spring->force[0] - sn * spring->force[1];
+        if (events) {
+            make_good(naive, i, values, grows, reference, weight);
         }
         values += 2 * (at->load.point_count + at->unload.point_count);
         // Eq. 6.39 and 6.40.
@@ -157,7 +281,7 @@ static void observe(struct naive *naive, const double q[FREEDOM])
     for (uint32_t i = 0; i < naive->setup->spring_count; i++) {
         contact |= naive->springs[i].contact;
     }
-    const double ax = naive->force[0] / naive->setup->mass;
+    const double ax = naive->felt / naive->setup->mass;
     naive->yaw_max = fmax(naive->yaw_max, fabs(q[YAW]));
     naive->ax_max = fmax(naive->ax_max, fabs(ax));
     naive->ax_sum += ax;
@@ -165,6 +289,9 @@ static void observe(struct naive *naive, const double q[FREEDOM])
     if (first->contact) {
         naive->length_last = first->length;
         naive->length_min = fmin(naive->length_min, first->length);
+    } else if (naive->slipped) {
+        naive->length_last = naive->slip_length;
+        naive->length_min = fmin(naive->length_min, naive->slip_length);
     }
 }
 
@@ -183,10 +310,10 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
 {
     const struct kinematics_setup *setup = naive->setup;
     const double dt = setup->time_step;
-    const bool verlet = setup->integrator == KINEMATICS_VELOCITY_VERLET;
+    const bool verlet = setup->integrator != KINEMATICS_CENTRAL_DIFFERENCE;
     double before[FREEDOM] = {0.0};
     double a[FREEDOM];
-    forces(naive, before, NULL, true);
+    forces(naive, before, NULL, true, 0.0);
     accelerate(naive, a);
     if (verlet) {
         observe(naive, before);
@@ -200,7 +327,7 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
     }
     work(naive, before, way);
     for (uint32_t k = 1; k < n; k++) {
-        forces(naive, q, NULL, true);
+        forces(naive, q, NULL, true, 1.0);
         observe(naive, q);
         accelerate(naive, a);
         double next[FREEDOM];
@@ -214,7 +341,7 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
             q[i] = next[i];
         }
     }
-    forces(naive, q, NULL, true);
+    forces(naive, q, NULL, true, 0.5);
     observe(naive, q);
     accelerate(naive, a);
     for (int i = 0; i < FREEDOM; i++) {
@@ -245,7 +372,7 @@ static void step_runge_kutta(struct naive *naive, uint32_t n, double q[FREEDOM],
                 there[i] = v[i] + to[stage] * dt * a[i];
                 way[i] = weight[stage] * dt / 6.0 * there[i];
             }
-            forces(naive, place, there, stage == 0);
+            forces(naive, place, there, stage == 0, 1.0);
             if (stage == 0) {
                 observe(naive, place);
             }
@@ -262,7 +389,7 @@ static void step_runge_kutta(struct naive *naive, uint32_t n, double q[FREEDOM],
             v[i] += v_sum[i];
         }
     }
-    forces(naive, q, v, true);
+    forces(naive, q, v, true, 1.0);
     observe(naive, q);
 }
 

@@ -38,10 +38,22 @@ struct kernel_spring {
     double contact[LANES];   // 0 or 1; kept only while recording
 };
 
+// What event Verlet keeps beside of one spring, to find what happened within the step.
+struct kernel_event {
+    double deformation[LANES]; // [m] at the time before
+    double growth[LANES];      // [m] of the deformation, over the step before that time
+    double margin[LANES];      // [m] to the nearer end of the face, at the time before
+    double loads[LANES];       // 1 where the load branch acted at the time before, else 0
+    double unloads[LANES];     // the same of the unload branch
+    double force_x[LANES];     // [N] without what was made good of the step; kept while recording
+    double force_y[LANES];     // [N]
+};
+
 // What a bundle needs beside registers.
 struct kernel_scratch {
     double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
     struct kernel_spring springs[KINEMATICS_SPRING_MAX] __attribute__((aligned(64)));
+    struct kernel_event events[KINEMATICS_SPRING_MAX] __attribute__((aligned(64)));
 };
 
 // Place and change of place. The leapfrog schemes keep the way of one step in `rate`, Runge-Kutta
@@ -64,6 +76,7 @@ struct kernel_pose {
 // Sums over the springs, and what spring 0 did.
 struct kernel_load {
     struct lanes x, y;   // [N] in road axes
+    struct lanes felt;   // [N] x as an accelerometer has it: without what event Verlet makes good
     struct lanes moment; // [Nm]
     struct lanes_mask contact;
     struct lanes_mask first_contact;
@@ -75,6 +88,7 @@ struct kernel_load {
 struct kernel_place {
     struct lanes place;          // [m] e
     struct lanes projection;     // [m] y_P2
+    struct lanes margin;         // [m] to the nearer end of the face; set for event Verlet only
     struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
     struct lanes normal_y;       //
     struct lanes_mask projected; // P2 lies on the barrier
@@ -214,6 +228,9 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
     place->normal_x = lanes_select(meets, arm_x, lanes_set(1.0));
     place->normal_y = lanes_select(meets, arm_y, zero);
     place->projected = lanes_or(meets, lanes_and_not(place->projected, above));
+    // A line slips off the circle where it is a radius above the centre, or behind it.
+    const struct lanes arc = lanes_min(lanes_add(lanes_set(radius), height), arm_x);
+    place->margin = lanes_select(above, arc, place->margin);
 }
 
 LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *problem,
@@ -231,6 +248,10 @@ LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *p
         lanes_set(problem->far_y), place.projection);
     place.normal_x = lanes_set(1.0);
     place.normal_y = lanes_set(0.0);
+    if (features.events) {
+        place.margin = lanes_min(lanes_sub(lanes_set(problem->edge_y), place.projection),
+                                 lanes_sub(place.projection, lanes_set(problem->far_y)));
+    }
     if (features.rounded) {
         kernel_round_edge(problem, spring, at, pose, &place);
         place.projected = lanes_and(place.projected, pose->forwards);
@@ -257,21 +278,172 @@ LANES_INLINE struct lanes_mask kernel_grows(const struct problem_spring *spring,
     return lanes_less(away, lanes_set(0.0));
 }
 
+// ---- Event Verlet ----
+//
+// The other schemes look at a spring at whole steps only: one that lets go within a step has acted
+// for half a step after the last time it was seen to act, whenever it really let go. On average
+// that is right, for one crash it is an error of first order. Here the moment is found, by the
+// straight line between the two times of whatever began or ended the force, and what the spring did
+// up to then, or from then on, is made good at the time after: too late by part of a step, which is
+// an error of second order.
+//
+// Not so the moment at which a spring begins to load again. Of a car that stands still, rounding
+// decides whether it does; then nothing may be made good, or the car would be thrown by it.
+
+// What one spring's branches have to know of the step that ends now.
+struct kernel_step {
+    struct lanes deformation; // [m] now
+    struct lanes before;      // [m] at the time before
+    struct lanes slip;        // share of the step at which it met or left the face
+    struct lanes_mask outside_before, outside;
+    struct lanes turn; // at which it ceased to load; may lie half a step before the time before
+    struct lanes_mask loads, turned, again; // loads now, loaded before and ceased to, began to
+};
+
+// a / (a - b): where the line from a to b is 0.
+LANES_INLINE struct lanes kernel_crossing(struct lanes a, struct lanes b)
+{
+    return lanes_div(a, lanes_sub(a, b));
+}
+
+// Adds to x and y what a branch that began or ceased to act within the step did there, beside the
+// half steps that count anyway. Where `was` and `is` are equal nothing is added.
+LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
+                                   const struct problem_curve *curve, const double *coefficients,
+                                   const struct kernel_step *step, bool loading,
+                                   struct lanes_mask was, struct lanes_mask is, struct lanes weight,
+                                   struct lanes *x, struct lanes *y)
+{
+    const struct lanes_mask began = lanes_and_not(is, was);
+    const struct lanes_mask ended = lanes_and_not(was, is);
+    const struct lanes_mask changed = lanes_and_not(lanes_or(began, ended), step->again);
+    if (!lanes_any(changed)) {
+        return;
+    }
+    const struct lanes one = lanes_set(1.0);
+    const struct lanes half = lanes_set(0.5);
+    const struct lanes start = lanes_set(curve->acts_above);
+    const struct lanes_mask all = lanes_less(lanes_set(0.0), one);
+    const struct lanes_mask short_before = lanes_and_not_above(all, step->before, start);
+    const struct lanes_mask short_now = lanes_and_not_above(all, step->deformation, start);
+    const struct lanes reach =
+        kernel_crossing(lanes_sub(step->before, start), lanes_sub(step->deformation, start));
+    // It ends with the first thing that forbids it and begins once nothing does any more.
+    struct lanes end = one;
+    end = lanes_select(step->outside, lanes_min(step->slip, end), end);
+    end = lanes_select(short_now, lanes_min(reach, end), end);
+    if (loading) {
+        end = lanes_select(step->loads, end, lanes_min(step->turn, end));
+    }
+    struct lanes begin = lanes_set(-0.5);
+    begin = lanes_select(step->outside_before, lanes_max(step->slip, begin), begin);
+    begin = lanes_select(short_before, lanes_max(reach, begin), begin);
+    if (!loading) {
+        begin = lanes_select(step->turned, lanes_max(step->turn, begin), begin);
+    }
+
+    const struct lanes moment = lanes_select(ended, end, begin);
+    const struct lanes share = lanes_select(ended, moment, lanes_sub(one, moment));
+    const struct lanes near = lanes_select(ended, step->before, step->deformation);
+    const struct lanes there =
+        lanes_fma(moment, lanes_sub(step->deformation, step->before), step->before);
+    struct lanes near_x, near_y, there_x, there_y;
+    kernel_curve(problem, curve, coefficients, near, changed, &near_x, &near_y);
+    kernel_curve(problem, curve, coefficients, there, changed, &there_x, &there_y);
+    // The mean force over its share of the step, less the half step that counts anyway.
+    const struct lanes scale = lanes_mul(half, weight);
+    const struct lanes more_x =
+        lanes_mul(scale, lanes_fms(share, lanes_add(near_x, there_x), near_x));
+    const struct lanes more_y =
+        lanes_mul(scale, lanes_fms(share, lanes_add(near_y, there_y), near_y));
+    *x = lanes_select(changed, lanes_add(*x, more_x), *x);
+    *y = lanes_select(changed, lanes_add(*y, more_y), *y);
+}
+
+// Finds what began and ended within the step that ends now and makes it good in the spring's force
+// (x, y). Where the spring left the face, `contact` is set and `deformation` is that at the moment
+// it did.
+LANES_INLINE void kernel_find_events(const struct kinematics_problem *problem,
+                                     struct problem_features features, uint32_t index,
+                                     const struct kernel_place *place, struct lanes s,
+                                     struct lanes reference, struct lanes_mask touches,
+                                     struct lanes_mask loads, struct lanes_mask unloads,
+                                     double weight, bool recording, struct kernel_scratch *scratch,
+                                     struct lanes *x, struct lanes *y, struct lanes_mask *contact,
+                                     struct lanes *deformation)
+{
+    const struct problem_spring *spring = &problem->springs[index];
+    struct kernel_event *kept = &scratch->events[index];
+    const struct lanes zero = lanes_set(0.0);
+    if (recording) {
+        lanes_store(kept->force_x, *x);
+        lanes_store(kept->force_y, *y);
+    }
+    if (weight > 0.0) {
+        const struct lanes growth_before = lanes_load(kept->growth);
+        const struct lanes margin = lanes_load(kept->margin);
+        struct kernel_step step;
+        step.deformation = s;
+        step.before = lanes_load(kept->deformation);
+        step.slip = kernel_crossing(margin, place->margin);
+        step.outside_before = lanes_less(margin, zero);
+        step.outside = lanes_less(place->margin, zero);
+        const struct lanes growth = lanes_sub(s, step.before);
+        step.turn = lanes_sub(kernel_crossing(growth_before, growth), lanes_set(0.5));
+        step.loads = lanes_less(reference, s);
+        struct lanes_mask loaded = lanes_less(zero, growth_before);
+        if (features.crushed) {
+            loaded = lanes_and_not(loaded, lanes_less(step.before, reference));
+        }
+        step.turned = lanes_and_not(loaded, step.loads);
+        step.again = lanes_and_not(step.loads, loaded);
+        const struct lanes inverse = lanes_set(1.0 / weight);
+        const struct lanes_mask acted = lanes_less(zero, lanes_load(kept->loads));
+        kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true, acted, loads,
+                         inverse, x, y);
+        if (features.unload && spring->unload.point_count > 0) {
+            const struct lanes_mask unloaded = lanes_less(zero, lanes_load(kept->unloads));
+            kernel_make_good(problem, &spring->unload, scratch->coefficients, &step, false,
+                             unloaded, unloads, inverse, x, y);
+        }
+        if (index == 0) {
+            const struct lanes_mask touched =
+                lanes_and_less(lanes_and_not(step.outside, step.outside_before), zero, step.before);
+            const struct lanes_mask left = lanes_and_not(touched, touches);
+            const struct lanes there = lanes_fma(step.slip, growth, step.before);
+            *contact = lanes_or(touches, left);
+            *deformation = lanes_select(left, there, s);
+        }
+        lanes_store(kept->growth, growth);
+    } else {
+        // It came towards the barrier.
+        lanes_store(kept->growth, lanes_set(problem->speed * problem->time_step));
+    }
+    lanes_store(kept->deformation, s);
+    lanes_store(kept->margin, place->margin);
+    lanes_store(kept->loads, lanes_keep(loads, lanes_set(1.0)));
+    if (features.unload) {
+        lanes_store(kept->unloads, lanes_keep(unloads, lanes_set(1.0)));
+    }
+}
+
 // Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
 // loading from the deformation of the step before. `settled` says that this is a time of the
 // trajectory, not a Runge-Kutta stage on the way: only then is the deformation remembered.
-LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *problem,
-                                              struct problem_features features,
-                                              const struct kernel_motion *at,
-                                              const struct kernel_pose *pose,
-                                              const struct kernel_motion *velocity, bool settled,
-                                              bool recording, struct kernel_scratch *scratch)
+// `weight` is the part of a step over which the forces act (event Verlet; 0 at time 0).
+LANES_INLINE struct kernel_load
+kernel_forces(const struct kinematics_problem *problem, struct problem_features features,
+              const struct kernel_motion *at, const struct kernel_pose *pose,
+              const struct kernel_motion *velocity, bool settled, double weight, bool recording,
+              struct kernel_scratch *scratch)
 {
     const struct lanes zero = lanes_set(0.0);
     struct lanes sum_x = zero;
     struct lanes sum_y = zero;
     struct lanes moment_x = zero;
     struct lanes moment_y = zero;
+    struct lanes felt_x = zero;
+    struct lanes felt_y = zero;
     struct kernel_load load;
     load.contact = lanes_none();
     for (uint32_t i = 0; i < problem->spring_count; i++) {
@@ -299,9 +471,10 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
         struct lanes x;
         struct lanes y;
         kernel_curve(problem, &spring->load, scratch->coefficients, s, acts, &x, &y);
+        struct lanes_mask gives = lanes_none();
         if (features.unload && spring->unload.point_count > 0) {
-            const struct lanes_mask gives = lanes_and_less(lanes_and_not(contact, loading),
-                                                           lanes_set(spring->unload.acts_above), s);
+            gives = lanes_and_less(lanes_and_not(contact, loading),
+                                   lanes_set(spring->unload.acts_above), s);
             struct lanes unload_x;
             struct lanes unload_y;
             kernel_curve(problem, &spring->unload, scratch->coefficients, s, gives, &unload_x,
@@ -310,6 +483,15 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
             y = lanes_select(gives, unload_y, y);
         }
 
+        struct lanes_mask first_contact = contact;
+        struct lanes first_deformation = s;
+        if (features.events) {
+            felt_x = lanes_add(felt_x, x);
+            felt_y = lanes_add(felt_y, y);
+            kernel_find_events(problem, features, i, &place, s, reference, contact, acts, gives,
+                               weight, recording, scratch, &x, &y, &first_contact,
+                               &first_deformation);
+        }
         sum_x = lanes_add(sum_x, x);
         sum_y = lanes_add(sum_y, y);
         moment_x = lanes_fma(lanes_set(spring->position_y), x, moment_x);
@@ -322,14 +504,16 @@ LANES_INLINE struct kernel_load kernel_forces(const struct kinematics_problem *p
         }
         load.contact = lanes_or(load.contact, contact);
         if (i == 0) {
-            load.first_contact = contact;
-            load.first_deformation = s;
+            load.first_contact = first_contact;
+            load.first_deformation = first_deformation;
             load.first_projection = place.projection;
         }
     }
     load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
     load.y = lanes_fma(pose->sine, sum_x, lanes_mul(pose->cosine, sum_y));
     load.moment = lanes_sub(moment_y, moment_x);
+    load.felt =
+        features.events ? lanes_fms(pose->cosine, felt_x, lanes_mul(pose->sine, felt_y)) : load.x;
     return load;
 }
 
@@ -357,8 +541,8 @@ LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct ke
                                  struct kernel_observed *observed)
 {
     observed->yaw_max = lanes_max(pose->magnitude, observed->yaw_max);
-    observed->force_max = lanes_max(lanes_abs(load->x), observed->force_max);
-    observed->force_sum = lanes_add(observed->force_sum, load->x);
+    observed->force_max = lanes_max(lanes_abs(load->felt), observed->force_max);
+    observed->force_sum = lanes_add(observed->force_sum, load->felt);
     observed->contact_steps =
         lanes_add(observed->contact_steps, lanes_keep(load->contact, lanes_set(1.0)));
     observed->deformation_last =
@@ -368,7 +552,8 @@ LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct ke
 
 // Writes the row of one time. Only the plain path records, with one design in a bundle. `acting` is
 // 0 where forces do not act yet.
-LANES_INLINE void kernel_record(const struct kinematics_problem *problem, uint32_t step,
+LANES_INLINE void kernel_record(const struct kinematics_problem *problem,
+                                struct problem_features features, uint32_t step,
                                 const struct kernel_motion *at,
                                 const struct kernel_motion *velocity, double acting,
                                 const struct kernel_scratch *scratch, double *rows)
@@ -388,18 +573,21 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem, uint32
         const double deformation = spring->reach + kept->place[0];
         column[KINEMATICS_SPRING_LENGTH] = spring->length - deformation;
         column[KINEMATICS_SPRING_DEFORMATION] = deformation;
-        column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? kept->force_x[0] : 0.0;
-        column[KINEMATICS_SPRING_FORCE_Y] = acting > 0.0 ? kept->force_y[0] : 0.0;
+        const struct kernel_event *event = &scratch->events[i];
+        const double force_x = features.events ? event->force_x[0] : kept->force_x[0];
+        const double force_y = features.events ? event->force_y[0] : kept->force_y[0];
+        column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? force_x : 0.0;
+        column[KINEMATICS_SPRING_FORCE_Y] = acting > 0.0 ? force_y : 0.0;
         column[KINEMATICS_SPRING_CONTACT] = kept->contact[0];
         column += KINEMATICS_SPRING_COLUMN_COUNT;
     }
 }
 
-// Central difference and velocity Verlet are one scheme: with the way of a step d, eq. 6.41 reads
-// d += a dt^2, q += d. `weight` is the part of a step over which the forces of one time act: half a
-// step at the end, which gives the velocity there, and at the start half a step for Verlet and none
-// for central difference. The work F (d_before + d_after) / 2 then adds up exactly to the change of
-// kinetic energy; twice the work is kept, which saves the halving.
+// Central difference, velocity Verlet and event Verlet are one scheme: with the way of a step d,
+// eq. 6.41 reads d += a dt^2, q += d. `weight` is the part of a step over which the forces of one
+// time act: half a step at the end, which gives the velocity there, and at the start half a step
+// for both Verlets and none for central difference. The work F (d_before + d_after) / 2 then adds
+// up exactly to the change of kinetic energy; twice the work is kept, which saves the halving.
 LANES_INLINE struct kernel_load
 kernel_leapfrog(const struct kinematics_problem *problem, struct problem_features features,
                 struct kernel_motion *at, struct kernel_motion *velocity, struct kernel_pose *pose,
@@ -408,14 +596,15 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
     const double dt = problem->time_step;
     const double kick = dt * dt / problem->mass;
     const double kick_yaw = dt * dt / problem->yaw_inertia;
-    const double start_weight = problem->integrator == KINEMATICS_VELOCITY_VERLET ? 0.5 : 0.0;
+    const double start_weight = problem->integrator == KINEMATICS_CENTRAL_DIFFERENCE ? 0.0 : 0.5;
     struct kernel_motion way = {lanes_set(-problem->speed * dt), lanes_set(0.0), lanes_set(0.0)};
     struct kernel_load load;
     for (uint32_t step = 0;; step++) {
         const bool last = step == problem->step_count;
         const double weight = step == 0 ? start_weight : last ? 0.5 : 1.0;
         *pose = kernel_pose(at);
-        load = kernel_forces(problem, features, at, pose, NULL, true, rows != NULL, scratch);
+        load = kernel_forces(problem, features, at, pose, NULL, true, step == 0 ? 0.0 : weight,
+                             rows != NULL, scratch);
         if (weight > 0.0) {
             kernel_observe(pose, &load, observed);
         }
@@ -443,7 +632,7 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
             velocity->yaw = lanes_mul(rate, lanes_add(from->yaw, to->yaw));
         }
         if (rows != NULL) {
-            kernel_record(problem, step, at, velocity, weight, scratch, rows);
+            kernel_record(problem, features, step, at, velocity, weight, scratch, rows);
         }
         if (last) {
             return load;
@@ -486,10 +675,10 @@ kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_feat
     for (uint32_t step = 0;; step++) {
         *pose = kernel_pose(at);
         const struct kernel_load load =
-            kernel_forces(problem, features, at, pose, velocity, true, rows != NULL, scratch);
+            kernel_forces(problem, features, at, pose, velocity, true, 1.0, rows != NULL, scratch);
         kernel_observe(pose, &load, observed);
         if (rows != NULL) {
-            kernel_record(problem, step, at, velocity, 1.0, scratch, rows);
+            kernel_record(problem, features, step, at, velocity, 1.0, scratch, rows);
         }
         if (step == problem->step_count) {
             return load;
@@ -504,8 +693,8 @@ kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_feat
             const struct kernel_motion there = kernel_advance(at, reach[stage] * dt, &rate);
             rate = kernel_advance(velocity, reach[stage] * dt, &acceleration);
             const struct kernel_pose stage_pose = kernel_pose(&there);
-            const struct kernel_load stage_load =
-                kernel_forces(problem, features, &there, &stage_pose, &rate, false, false, scratch);
+            const struct kernel_load stage_load = kernel_forces(
+                problem, features, &there, &stage_pose, &rate, false, 1.0, false, scratch);
             const struct kernel_motion stage_way = kernel_advance(&none, share[stage] * dt, &rate);
             kernel_work(problem, &stage_pose, &stage_way, scratch);
             acceleration = kernel_acceleration(problem, &stage_load);
@@ -616,7 +805,8 @@ LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint
                                   double *rows)
 {
     const struct problem_features features = problem->features;
-    const struct problem_features none = {false, false, false, false};
+    const struct problem_features none = {false, false, false, false, false};
+    const struct problem_features events = {.events = true};
     const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
     const bool plain =
         !features.rounded && !features.unload && !features.late_start && !features.crushed;
@@ -625,6 +815,9 @@ LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint
         const uint32_t left = count - first;
         if (runge_kutta) {
             kernel_bundle(problem, features, true, left, values + first, results + first, stride,
+                          rows, &scratch);
+        } else if (plain && features.events) {
+            kernel_bundle(problem, events, false, left, values + first, results + first, stride,
                           rows, &scratch);
         } else if (plain) {
             kernel_bundle(problem, none, false, left, values + first, results + first, stride, rows,

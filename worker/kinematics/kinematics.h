@@ -38,6 +38,7 @@ enum kinematics_integrator {
     KINEMATICS_CENTRAL_DIFFERENCE, // eq. 6.41 to 6.44: nothing acts before the first step is done
     KINEMATICS_VELOCITY_VERLET,    // the same but for a force at time 0
     KINEMATICS_RUNGE_KUTTA_4,      // loading or unloading is told from the rate of deformation
+    KINEMATICS_EVENT_VERLET,       // Verlet with contacts made, lost and turned within the step
 };
 
 enum kinematics_reloading {

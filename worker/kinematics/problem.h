@@ -36,6 +36,7 @@ struct problem_features {
     bool unload;     // some spring has an unload branch
     bool late_start; // some curve starts above deformation 0
     bool crushed;    // reloading is KINEMATICS_RELOADING_CRUSHED
+    bool events;     // integrator is KINEMATICS_EVENT_VERLET
 };
 
 struct kinematics_problem {

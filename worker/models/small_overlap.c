@@ -28,6 +28,8 @@ static enum kinematics_integrator small_overlap_integrator(enum scenario_integra
         return KINEMATICS_VELOCITY_VERLET;
     case SCENARIO_INTEGRATOR_RUNGE_KUTTA_4:
         return KINEMATICS_RUNGE_KUTTA_4;
+    case SCENARIO_INTEGRATOR_EVENT_VERLET:
+        return KINEMATICS_EVENT_VERLET;
     case SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE:
         break;
     }

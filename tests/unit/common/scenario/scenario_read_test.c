@@ -282,8 +282,8 @@ static void wrong_types_are_pointed_at(void **state)
          "t.yaml:41:13: search.sampling: expected uniform, latin_hypercube or sobol, found "
          "halton"},
         {"velocity_verlet", "euler",
-         "t.yaml:30:15: simulation.integrator: expected central_difference, velocity_verlet or "
-         "runge_kutta_4, found euler"},
+         "t.yaml:30:15: simulation.integrator: expected central_difference, velocity_verlet, "
+         "runge_kutta_4 or event_verlet, found euler"},
         {"20e1", "2.5", "t.yaml:38:12: search.samples: expected a whole number, 1 to 1000000"},
         {"20e1", "many", "t.yaml:38:12: search.samples: expected a whole number"},
     };
