@@ -28,6 +28,7 @@ const char *const scenario_integrator_words[] = {
     [SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE] = "central_difference",
     [SCENARIO_INTEGRATOR_VELOCITY_VERLET] = "velocity_verlet",
     [SCENARIO_INTEGRATOR_RUNGE_KUTTA_4] = "runge_kutta_4",
+    [SCENARIO_INTEGRATOR_EVENT_VERLET] = "event_verlet",
     NULL,
 };
 const char *const scenario_reloading_words[] = {
