@@ -76,6 +76,41 @@ static void make_curves(const struct measured *measured, struct sedan *sedan, do
     sedan->springs[0].load = (struct kinematics_curve){sedan->deformation[0], POINTS};
 }
 
+// Where the paths for the picture go (measured.gnuplot): the folder named by SOBOX_MEASURED_PATHS,
+// or NULL.
+static FILE *open_paths(const char *group)
+{
+    const char *folder = getenv("SOBOX_MEASURED_PATHS");
+    if (folder == NULL) {
+        return NULL;
+    }
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.csv", folder, group);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    return file;
+}
+
+// Writes the simulated path beside the measured one, an empty line between them.
+static void write_paths(const char *group, const struct measured *measured, const double *rows,
+                        uint32_t row_count, uint32_t columns)
+{
+    FILE *file = open_paths(group);
+    if (file == NULL) {
+        return;
+    }
+    for (uint32_t i = 0; i < row_count; i++, rows += columns) {
+        fprintf(file, "%g,%.5f,%.5f\n", rows[KINEMATICS_COLUMN_TIME], -rows[KINEMATICS_COLUMN_X],
+                rows[KINEMATICS_COLUMN_Y]);
+    }
+    fprintf(file, "\n\n");
+    for (uint32_t i = 0; i < TIMES; i++) {
+        fprintf(file, "%g,%.5f,%.5f\n", measured->time[i], measured->travel_x[i],
+                measured->travel_y[i]);
+    }
+    fclose(file);
+}
+
 // Simulates a group; returns the A-pillar's lateral travel in overlaps.
 static double simulate(const char *group, double *error_x, double *error_y)
 {
@@ -96,6 +131,7 @@ static double simulate(const char *group, double *error_x, double *error_y)
         *error_x += fabs(-row[KINEMATICS_COLUMN_X] - measured.travel_x[i]) / TIMES;
         *error_y += fabs(row[KINEMATICS_COLUMN_Y] - measured.travel_y[i]) / TIMES;
     }
+    write_paths(group, &measured, rows, kinematics_row_count(problem), columns);
     free(rows);
     kinematics_free(problem);
     const double travel = results[KINEMATICS_PILLAR_TRAVEL] / 0.455;
