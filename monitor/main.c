@@ -58,6 +58,7 @@ struct monitor {
     struct http *http;
     struct screen *screen; // NULL: lines are printed, or nothing
     GMainLoop *loop;
+    int64_t shown_ns; // when lines were last printed
     gboolean silence_said;
 };
 
@@ -124,7 +125,7 @@ static void show_lines(struct monitor *monitor, int64_t now_ns)
 {
     if (monitor->options.json) {
         lines_print_json(&monitor->feed, now_ns, (double)clock_calendar_ns() / 1e9, stdout);
-    } else if (lines_print(&monitor->feed, now_ns - CLOCK_SECOND_NS, now_ns, stdout) > 0) {
+    } else if (lines_print(&monitor->feed, monitor->shown_ns, now_ns, stdout) > 0) {
         monitor->silence_said = FALSE;
     } else if (!monitor->silence_said) {
         monitor->silence_said = TRUE;
@@ -132,6 +133,7 @@ static void show_lines(struct monitor *monitor, int64_t now_ns)
                monitor->feed.workers.entries->len);
     }
     fflush(stdout);
+    monitor->shown_ns = now_ns;
 }
 
 // A run folder whose run is over is shown once where nobody stays to look at it.
