@@ -28,6 +28,7 @@ void balance_init(struct balance *balance, uint32_t variables)
     for (size_t side = 0; side < sides; side++)
         balance->eager[side] = 1;
     balance->volume_eager = 1;
+    balance->volume_push = 0;
 }
 
 void balance_fini(struct balance *balance)

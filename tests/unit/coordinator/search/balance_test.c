@@ -53,6 +53,7 @@ static void sides_come_to_the_largest_shape(void **state)
                                                .bad_share = 0.2,
                                                .gain = 0.1,
                                                .volume_gain = 0.5,
+                                               .volume_eager_max = 1,
                                                .threads = 1};
         balance_move(&balance, &box, &space, &balancing);
         if (step < 200)
@@ -89,6 +90,7 @@ static void good_box_grows_into_the_space(void **state)
                                            .bad_share = 0.25,
                                            .gain = 0.1,
                                            .volume_gain = 1,
+                                           .volume_eager_max = 1,
                                            .threads = 1};
     balance_move(&balance, &box, &space, &balancing);
     assert_true(box.lower[0] < 0.4 && box.upper[0] > 0.6);
@@ -142,8 +144,13 @@ static void flat_variable_stays(void **state)
     struct balance balance;
     struct cloud bad = CLOUD(2, 0.79, 0.5, 0.78, 0.5);
     balance_init(&balance, 2);
-    const struct balance_step balancing = {
-        .samples = 10, .bad = &bad, .bad_share = 0.2, .gain = 0.1, .volume_gain = 1, .threads = 1};
+    const struct balance_step balancing = {.samples = 10,
+                                           .bad = &bad,
+                                           .bad_share = 0.2,
+                                           .gain = 0.1,
+                                           .volume_gain = 1,
+                                           .volume_eager_max = 1,
+                                           .threads = 1};
     balance_move(&balance, &box, &space, &balancing);
     assert_true(box.lower[1] == 0.5 && box.upper[1] == 0.5);
     assert_true(box.upper[0] < 0.8 && isfinite(box.lower[0]));

@@ -38,6 +38,7 @@ static uint32_t step(struct explore *explore, double centre, double radius, uint
                                                      .bad_share = 0.3,
                                                      .gain = 0.15,
                                                      .volume_gain = 1,
+                                                     .volume_eager_max = 1,
                                                      .threads = 1});
     cloud_fini(&good);
     cloud_fini(&bad);

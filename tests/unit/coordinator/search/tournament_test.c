@@ -49,6 +49,7 @@ static bool step(struct tournament *tournament)
                                                                .bad_share = 0.3,
                                                                .gain = explore_gain,
                                                                .volume_gain = 1,
+                                                               .volume_eager_max = 1,
                                                                .threads = 1});
     cloud_fini(&goods);
     cloud_fini(&bads);
