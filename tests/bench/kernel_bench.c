@@ -1,5 +1,9 @@
 // How fast one core evaluates designs, for problems of several sizes on every path the machine has,
-// and how much of its fused multiply-add peak that is. Prints CSV; arguments: none.
+// and how much of its fused multiply-add peak that is. Prints CSV.
+//
+//     kernel_bench                              measures
+//     kernel_bench count PAIRS POINTS DESIGNS   only evaluates so many designs, for
+//     kernel_instructions
 //
 //     case,path,us_per_design,designs_per_s,gflops,share_of_fma_peak
 //
@@ -11,6 +15,8 @@
 
 #include <glib.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 enum { BENCH_DESIGNS = 64, BENCH_ROUNDS = 25 };
@@ -201,8 +207,38 @@ static void bench_run(const struct bench_case *bench, double peak)
     kinematics_free(problem);
 }
 
-int main(void)
+// Evaluates designs for somebody who counts the instructions.
+static int bench_count(char **arguments)
 {
+    const struct bench_case bench = {
+        .pairs = (uint32_t)strtoul(arguments[0], NULL, 10),
+        .points = (uint32_t)strtoul(arguments[1], NULL, 10),
+        .time_step = 1e-3,
+    };
+    const uint32_t designs = (uint32_t)strtoul(arguments[2], NULL, 10);
+    struct kinematics_problem *problem = bench_problem(&bench);
+    const uint32_t value_count = kinematics_value_count(problem);
+    double *values = g_new(double, (size_t)value_count *BENCH_DESIGNS);
+    double *results = g_new(double, (size_t)kinematics_result_count(problem) * BENCH_DESIGNS);
+    bench_fill(values, value_count, bench.pairs);
+    for (uint32_t done = 0; done < designs; done += BENCH_DESIGNS) {
+        kinematics_evaluate(problem, BENCH_DESIGNS, values, results, BENCH_DESIGNS);
+    }
+    g_free(values);
+    g_free(results);
+    kinematics_free(problem);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 5 && strcmp(argv[1], "count") == 0) {
+        return bench_count(argv + 2);
+    }
+    if (argc != 1) {
+        fprintf(stderr, "expected: kernel_bench [count PAIRS POINTS DESIGNS]\n");
+        return 2;
+    }
     static const uint32_t sizes[][2] = {{1, 9}, {5, 3}, {9, 3}, {40, 3}}; // pairs, points
     static const struct bench_case ways[] = {
         {.time_step = 1e-3},
