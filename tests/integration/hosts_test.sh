@@ -172,7 +172,7 @@ worker_of_another_version_is_refused()
 # run must go on with those it reaches, and those that were cut off must find back.
 partition_heals()
 {
-    _long_run 150
+    _long_run 500
     make_hosts 5
     join_by_bridge
     _start_run
