@@ -110,9 +110,6 @@ struct scenario_hold {
 // How to search. Lists have one number a variable, fixed ones included, in the unit of the variable
 // and the order of scenario.variables; a list that the file does not give is NULL. What the reader
 // promises about them is said here and need not be checked again.
-//
-// Some keys are read but not offered yet, because the search does not honour them: they are refused
-// with a message (search_read.h), and keep their defaults.
 struct scenario_search {
     uint32_t samples;             // a step
     uint32_t exploration_steps;   // at most
@@ -123,7 +120,8 @@ struct scenario_search {
     enum scenario_sampling sampling; // of all steps but the certificate's, which are uniform
 
     uint32_t starts;      // starts to try, 0..SCENARIO_START_MAX; 0: as many as the search finds
-                          // right. A given start is the first of them
+                          // right. A given start is the first of them; each has at least two
+                          // steps of exploration
     uint64_t evaluations; // budget of the whole search, its certificate included; 0: no limit
                           // beside the counts of steps. At least samples + certificate_samples
 

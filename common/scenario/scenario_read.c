@@ -100,8 +100,7 @@ static bool read_document(const struct tree_node *root, struct document *documen
                     : formula_read(&document->formula, scenario, error);
     return read && constraint_read(document->constraints, scenario, error) &&
            require_constraint(root, scenario, error) &&
-           (document->search == NULL || (search_read_offered(document->search, error) &&
-                                         search_read(document->search, scenario, error)));
+           (document->search == NULL || search_read(document->search, scenario, error));
 }
 
 // ------------------------------------------------------------------------------------------------

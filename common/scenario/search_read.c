@@ -52,24 +52,6 @@ static const struct field search_fields[] = {
     {"tie", FIELD_NODE, .optional = true, AT(search_document, tie)},
 };
 
-// What the search does not honour. A key that goes from here is offered.
-static const char *const not_honoured[] = {
-    "starts",  "evaluations",    "start", "start_box", "reference",
-    "weights", "minimum_widths", "hold",  "tie",
-};
-
-bool search_read_offered(const struct tree_node *node, struct error *error)
-{
-    for (size_t i = 0; i < G_N_ELEMENTS(not_honoured); i++) {
-        const struct tree_node *value = tree_child(node, not_honoured[i]);
-        if (value == NULL)
-            continue;
-        tree_error(value, error, "this version's search does not know it: expected no such key");
-        return false;
-    }
-    return true;
-}
-
 // ------------------------------------------------------------------------------------------------
 // Names of variables
 

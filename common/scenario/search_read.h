@@ -25,11 +25,6 @@
 #include "common/scenario/scenario.h"
 #include "common/scenario/tree.h"
 
-// Refuses what the reader knows but the search does not honour: a key that were read and then
-// passed over would be a promise broken in silence. Returns false with `error` filled
-// (STATUS_INVALID).
-bool search_read_offered(const struct tree_node *node, struct error *error);
-
 // Fills scenario.search from the mapping `node`. Variables, design space and springs are known.
 // Returns false with `error` filled (STATUS_INVALID).
 bool search_read(const struct tree_node *node, struct scenario *scenario, struct error *error);

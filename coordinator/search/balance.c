@@ -78,6 +78,29 @@ static double mean_weight(const struct box *box, const struct box *space, const 
     return sides > 0 ? sum / sides : 0;
 }
 
+// What the mean of the bad samples' weights would be for a side of each variable if it were worth
+// its place; NULL where that is the mean of all sides.
+static double *worth(const struct box *box, const struct box *space, double mean,
+                     const struct balance_step *step)
+{
+    if (step->weights == NULL)
+        return NULL;
+    double sum = 0;
+    uint32_t sides = 0;
+    for (uint32_t v = 0; v < box->count; v++) {
+        const uint32_t free = (box->lower[v] > space->lower[v]) + (box->upper[v] < space->upper[v]);
+        sum += free * step->weights[v];
+        sides += free;
+    }
+    // What bad samples anywhere in the box would give.
+    const double even = step->bad->count * balance_reach / 2;
+    const double excess = sum > 0 && mean > even ? (mean - even) * sides / sum : 0;
+    double *targets = g_new(double, box->count + 1);
+    for (uint32_t v = 0; v < box->count; v++)
+        targets[v] = (mean < even ? mean : even) + step->weights[v] * excess;
+    return targets;
+}
+
 // Notes a push on a side and returns the factor for its gain.
 static double eagerness(struct balance *balance, uint32_t side, double push)
 {
@@ -111,6 +134,7 @@ void balance_move(struct balance *balance, struct box *box, const struct box *sp
     for (uint32_t v = 0; v < variables; v++)
         weigh(cloud_column(step->bad, v), bad, box->lower[v], box->upper[v], sums + 2 * v);
     const double mean = mean_weight(box, space, sums);
+    double *targets = worth(box, space, mean, step);
     // Few bad samples say little about where they come from.
     const double evidence = bad / (bad + balance_evidence);
     const double share = (double)bad / step->samples;
@@ -123,11 +147,13 @@ void balance_move(struct balance *balance, struct box *box, const struct box *sp
         const double width = box->upper[v] - box->lower[v];
         double move[2];
         for (uint32_t i = 0; i < 2; i++) {
-            const double push = mean > 0 ? evidence * (sums[2 * v + i] / mean - 1) : 0;
+            const double target = targets != NULL ? targets[v] : mean;
+            const double push = mean > 0 ? evidence * (sums[2 * v + i] / target - 1) : 0;
             const double gain = step->gain * eagerness(balance, 2 * v + i, push);
             move[i] = clamp(out - gain * push, -balance_move_max, balance_move_max) * width;
         }
         box->lower[v] = clamp(box->lower[v] - move[0], space->lower[v], space->upper[v]);
         box->upper[v] = clamp(box->upper[v] + move[1], space->lower[v], space->upper[v]);
     }
+    g_free(targets);
 }

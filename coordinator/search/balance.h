@@ -3,7 +3,7 @@
 // moving one out and another in by the same factor would give a purer box of the same volume.
 // (Write p for the bad share of the box and p_s for that along side s; moving side s out by a
 // factor 1 + e changes the logarithm of the volume by e and p by e (p_s - p). Lagrange: all p_s are
-// equal.)
+// equal. Where the logarithm of a width counts w_s times, p_s - p is in proportion to w_s.)
 //
 // The share along a side is estimated from the bad samples of one step, each counted by its
 // distance from the side. One step's estimate is noise, so sides move by little and the noise
@@ -36,6 +36,7 @@ struct balance_step {
     double gain;             // how fast sides move against each other
     double volume_gain;      // how fast they move together towards bad_share
     double volume_eager_max; // by what that may rise while the box is far too small or large, >= 1
+    const double *weights;   // (variables) what a width is worth, > 0; or NULL: all the same
     int threads;
 };
 

@@ -16,6 +16,10 @@ static const double consolidate_gain_fall = 8;
 static const double consolidate_volume_gain = 0.2;
 static const double consolidate_volume_gain_fall = 4;
 
+// With fewer steps than this the volume must follow in fewer, and does so with more noise.
+static const double consolidate_steps_calm = 100;
+static const double consolidate_hurry_max = 6;
+
 void consolidate_init(struct consolidate *consolidate, const struct box *space)
 {
     *consolidate = (struct consolidate){.space = space};
@@ -59,30 +63,43 @@ static double bad_share_now(const struct consolidate *consolidate)
     return from / (root * root * root * root);
 }
 
+// By how much the volume's gain rises for want of steps. A box that is tried again is nearly there.
+static double hurry(const struct consolidate *consolidate)
+{
+    const bool far = consolidate->bad_from > 4 * consolidate->bad_to;
+    const double hurry = consolidate_steps_calm / consolidate->step_count;
+    if (!far || hurry < 1)
+        return 1;
+    return hurry < consolidate_hurry_max ? hurry : consolidate_hurry_max;
+}
+
 static void balance_once(const struct consolidate *consolidate, struct explore *explore,
                          struct explore_step *step)
 {
     const double way = (double)consolidate->steps / consolidate->step_count;
     step->bad_share = bad_share_now(consolidate);
     step->gain = explore_gain / (1 + consolidate_gain_fall * way);
-    step->volume_gain = consolidate_volume_gain / (1 + consolidate_volume_gain_fall * way);
+    step->volume_gain =
+        consolidate_volume_gain * hurry(consolidate) / (1 + consolidate_volume_gain_fall * way);
     step->volume_eager_max = 1;
     explore_complete(explore, step);
 }
 
 // Trims `grown` by all known bad samples; returns whether the result is larger than `best`, which
 // it then replaces.
-static bool cut_pure(const struct consolidate *consolidate, const struct explore_step *step,
+static bool cut_pure(const struct explore *explore, const struct explore_step *step,
                      const struct cloud *archive, const struct box *grown, struct box *best)
 {
     struct trim_options options = trim_options_default();
     options.anchors = 4;
     options.threads = step->threads;
+    options.keep = explore->demands != NULL ? explore->demands->reference : NULL;
     struct box pure;
     box_init(&pure, grown->count);
     bool larger = trim(grown, best, step->good, archive, &options, &pure);
-    larger = larger && volume_above(volume_of(&pure, consolidate->space),
-                                    volume_of(best, consolidate->space));
+    larger = larger && demands_meet(explore->demands, &pure, DEMANDS_TIE_INSIDE) &&
+             volume_above(demands_volume(explore->demands, &pure, explore->space),
+                          demands_volume(explore->demands, best, explore->space));
     if (larger)
         box_assign(best, &pure);
     box_fini(&pure);
@@ -101,8 +118,8 @@ static void start_trial(struct consolidate *consolidate, struct explore *explore
     box_init(&best, explore->box.count);
     box_assign(&best, &explore->box);
     growth_apply(&little, &explore->box, consolidate->space, &grown);
-    bool found = cut_pure(consolidate, step, archive, &grown, &best);
-    found = cut_pure(consolidate, step, archive, &consolidate->explored, &best) || found;
+    bool found = cut_pure(explore, step, archive, &grown, &best);
+    found = cut_pure(explore, step, archive, &consolidate->explored, &best) || found;
     if (found) {
         box_assign(&consolidate->balanced, &explore->box);
         explore_move(explore, &best);

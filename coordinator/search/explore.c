@@ -32,6 +32,22 @@ void explore_init(struct explore *explore, const struct box *space, const double
     prepare(explore);
 }
 
+void explore_demand(struct explore *explore, const struct demands *demands)
+{
+    explore->demands = demands;
+    demands_meet(demands, &explore->box, DEMANDS_TIE_AROUND);
+    prepare(explore);
+}
+
+void explore_begin(struct explore *explore, const struct box *box)
+{
+    box_assign(&explore->box, box);
+    demands_meet(explore->demands, &explore->box, DEMANDS_TIE_AROUND);
+    if (volume_of(&explore->box, explore->space).mantissa > 0)
+        growth_calm(&explore->growth);
+    prepare(explore);
+}
+
 void explore_fini(struct explore *explore)
 {
     box_fini(&explore->box);
@@ -45,16 +61,18 @@ static void cut(struct explore *explore, const struct explore_step *step)
 {
     struct trim_options options = trim_options_default();
     options.threads = step->threads;
+    options.keep = explore->demands != NULL ? explore->demands->reference : NULL;
     struct box trimmed;
     box_init(&trimmed, explore->box.count);
-    if (trim(&explore->sampled, &explore->box, step->good, step->bad, &options, &trimmed))
+    if (trim(&explore->sampled, &explore->box, step->good, step->bad, &options, &trimmed) &&
+        demands_meet(explore->demands, &trimmed, DEMANDS_TIE_INSIDE))
         box_assign(&explore->box, &trimmed);
     box_fini(&trimmed);
 }
 
 static void remember_yield(struct explore *explore, double share)
 {
-    struct volume yield = volume_of(&explore->sampled, explore->space);
+    struct volume yield = demands_volume(explore->demands, &explore->sampled, explore->space);
     int shift;
     yield.mantissa = frexp(yield.mantissa * share, &shift);
     yield.exponent += shift;
@@ -67,23 +85,30 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
     remember_yield(explore, share);
     explore->steps++;
     const bool few = growth_too_much(share);
-    if (explore->balancing && !few) {
-        const struct balance_step balancing = {.samples = step->samples,
-                                               .bad = step->bad,
-                                               .bad_share = step->bad_share,
-                                               .gain = step->gain,
-                                               .volume_gain = step->volume_gain,
-                                               .volume_eager_max = step->volume_eager_max,
-                                               .threads = step->threads};
+    // What is demanded may leave a box no room to be trimmed: only pushed to and fro.
+    const bool bound = explore->demands != NULL && explore->demands->any;
+    if (explore->balancing && (!few || bound)) {
+        const struct balance_step balancing = {
+            .samples = step->samples,
+            .bad = step->bad,
+            .bad_share = step->bad_share,
+            .gain = step->gain,
+            .volume_gain = step->volume_gain,
+            .volume_eager_max = step->volume_eager_max,
+            .weights = explore->demands != NULL ? explore->demands->weights : NULL,
+            .threads = step->threads};
         balance_move(&explore->balance, &explore->box, explore->space, &balancing);
+        demands_meet(explore->demands, &explore->box, DEMANDS_TIE_MEAN);
     } else if (!few || explore->balancing || growth_exhausted(&explore->growth)) {
         cut(explore, step);
         explore->grown = explore->grown || share < explore_share_grown;
     }
     if (!explore->balancing)
         growth_steer(&explore->growth, share);
-    if (volume_of(&explore->box, explore->space).mantissa > 0)
+    if (volume_of(&explore->box, explore->space).mantissa > 0) {
         growth_calm(&explore->growth);
+        explore->grown = explore->grown || (few && bound);
+    }
     prepare(explore);
 }
 
@@ -96,6 +121,7 @@ void explore_settle(struct explore *explore)
 void explore_move(struct explore *explore, const struct box *box)
 {
     box_assign(&explore->box, box);
+    demands_meet(explore->demands, &explore->box, DEMANDS_TIE_MEAN);
     prepare(explore);
 }
 

@@ -8,6 +8,7 @@
 #define SOBOX_COORDINATOR_SEARCH_EXPLORE_H
 
 #include "coordinator/search/balance.h"
+#include "coordinator/search/demands.h"
 #include "coordinator/search/growth.h"
 #include "coordinator/search/trim.h"
 #include "coordinator/search/volume.h"
@@ -15,9 +16,10 @@
 enum { EXPLORE_MEMORY = 3 }; // steps that a box is judged by
 
 struct explore {
-    const struct box *space; // borrowed
-    struct box box;          // as it stands: trimmed, or balanced
-    struct box sampled;      // what to sample in the next step
+    const struct box *space;       // borrowed
+    const struct demands *demands; // borrowed; NULL: none
+    struct box box;                // as it stands: trimmed, or balanced
+    struct box sampled;            // what to sample in the next step
     struct growth growth;
     struct balance balance;
     double rate; // growth of the next step; 0 when it does not grow
@@ -46,6 +48,13 @@ extern const double explore_gain;
 // Starts from a good design; start[i * stride] is its variable i.
 void explore_init(struct explore *explore, const struct box *space, const double *start,
                   size_t stride);
+
+// Meets the demands (borrowed) from now on.
+void explore_demand(struct explore *explore, const struct demands *demands);
+
+// Begins from a box instead of its start, or from a design: lower equal to upper.
+void explore_begin(struct explore *explore, const struct box *box);
+
 void explore_fini(struct explore *explore);
 
 // Takes the verdicts on `sampled` and moves on.

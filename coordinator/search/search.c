@@ -2,6 +2,7 @@
 
 #include "coordinator/search/certificate.h"
 #include "coordinator/search/consolidate.h"
+#include "coordinator/search/demands.h"
 #include "coordinator/search/seek.h"
 #include "coordinator/search/tournament.h"
 
@@ -28,6 +29,17 @@ static const double search_explore_volume_eager = 4; // at most, times as fast
 // that the certificate passes with near certainty, and not further.
 static const double search_share_wanted = 0.5;
 
+// A budget that cuts steps short leaves no room for a second certificate, and the box follows less
+// closely: with hardly any step left it is this part of that part.
+static const double search_share_short = 0.4;
+
+// What was given to begin with is looked at first.
+enum given {
+    GIVEN_REFERENCE, // is it good?
+    GIVEN_START,     // is the start, or anything in the start box, good?
+    GIVEN_NONE,      // nothing is left to look at
+};
+
 struct search {
     const struct scenario *scenario; // borrowed
     uint32_t index;
@@ -36,7 +48,9 @@ struct search {
 
     // The free variables, in which everything below is expressed.
     uint32_t *variables; // (space.count) index among all variables
-    struct box space;
+    struct box space;    // what is not held of the design space
+    struct box frame;    // all variables: the design space, variables held to a value without width
+    struct demands demands;
 
     // Where the search stands.
     enum search_phase phase;
@@ -49,12 +63,16 @@ struct search {
     uint64_t non_finite;
 
     // Seek.
+    enum given given;
+    struct box begin; // what was given, with a good design in it; count 0: none
     struct seek seek;
     uint64_t blocked[256]; // bad samples of the seek by worst constraint
 
     struct tournament tournament;
     struct consolidate consolidate;
-    uint32_t samples; // a step of consolidation
+    uint32_t samples;             // a step of consolidation
+    uint32_t exploration_steps;   // what the budget leaves of the scenario's
+    uint32_t consolidation_steps; // likewise
 
     struct certificate certificate;
 
@@ -108,7 +126,7 @@ static const struct box *standing(struct search *search)
 // Puts a box of the free variables into one of all variables.
 static void widen(const struct search *search, const struct box *box, struct box *all)
 {
-    box_assign(all, &search->scenario->design_space);
+    box_assign(all, &search->frame);
     for (uint32_t v = 0; v < box->count; v++) {
         all->lower[search->variables[v]] = box->lower[v];
         all->upper[search->variables[v]] = box->upper[v];
@@ -133,13 +151,23 @@ static void ask(struct search *search, const struct box *box, uint32_t samples,
     };
 }
 
+// Whether a box holds one design only: it is looked at once.
+static bool is_design(const struct box *box)
+{
+    for (uint32_t v = 0; v < box->count; v++) {
+        if (box->lower[v] != box->upper[v])
+            return false;
+    }
+    return true;
+}
+
 static void ask_next(struct search *search)
 {
     const struct scenario_search *settings = &search->scenario->search;
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
-        ask(search, &search->seek.box, settings->samples, SCENARIO_SAMPLING_LATIN_HYPERCUBE,
-            VERDICT_DETAIL_FULL);
+        ask(search, &search->seek.box, is_design(&search->seek.box) ? 1 : settings->samples,
+            SCENARIO_SAMPLING_LATIN_HYPERCUBE, VERDICT_DETAIL_FULL);
         break;
     case SEARCH_PHASE_EXPLORE:
         ask(search, &current(search)->sampled, settings->samples, settings->sampling,
@@ -227,6 +255,46 @@ static void count_verdicts(struct search *search, const struct verdict *verdicts
     }
 }
 
+// ---- what is left to spend
+
+// How many steps of `samples` the budget has room for beside a certificate.
+static uint64_t steps_affordable(const struct search *search, uint32_t samples)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    if (settings->evaluations == 0)
+        return UINT64_MAX;
+    const uint64_t spoken_for = search->evaluations + settings->certificate_samples;
+    return spoken_for < settings->evaluations ? (settings->evaluations - spoken_for) / samples : 0;
+}
+
+// Shares what is left between exploration and consolidation as the scenario does.
+static void plan_steps(struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    const uint64_t wanted = (uint64_t)settings->exploration_steps + settings->consolidation_steps;
+    const uint64_t affordable = steps_affordable(search, settings->samples);
+    search->exploration_steps = settings->exploration_steps;
+    search->consolidation_steps = settings->consolidation_steps;
+    if (affordable >= wanted)
+        return;
+    search->exploration_steps = (uint32_t)(affordable * settings->exploration_steps / wanted);
+    search->consolidation_steps = (uint32_t)affordable - search->exploration_steps;
+}
+
+// How many boxes are to grow. Where something was given to begin with, no others are sought unless
+// asked for. Each needs two steps at least.
+static uint32_t starts_wanted(const struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    const bool given =
+        settings->start != NULL || settings->start_box.count > 0 || settings->reference != NULL;
+    const uint32_t most = search->exploration_steps / 2 > 1 ? search->exploration_steps / 2 : 1;
+    uint32_t count = settings->starts;
+    if (count == 0)
+        count = given ? 1 : tournament_starts(search->exploration_steps);
+    return settings->starts > 0 && count > most ? most : count;
+}
+
 // ---- from phase to phase
 
 static void finish(struct search *search, enum search_status status)
@@ -262,10 +330,20 @@ static double bad_share_wanted(const struct search *search)
     // A certificate that allows no bad sample says little about what it would take.
     if (most <= 0)
         share = (1 - settings->target_purity) / 4;
+    if (search->consolidation_steps < settings->consolidation_steps)
+        share *= search_share_short + (1 - search_share_short) * search->consolidation_steps /
+                                          settings->consolidation_steps;
     // Each miss shows that the box comes out worse than it was meant to.
     for (uint32_t look = 0; look < search->certificate.looks; look++)
         share *= 0.9;
     return share;
+}
+
+// The tournament is over before it starts: `box` has won.
+static void award(struct search *search, const struct box *box)
+{
+    search->tournament.demands = &search->demands;
+    tournament_award(&search->tournament, &search->space, box);
 }
 
 static void start_consolidate(struct search *search, uint32_t steps, double bad_from)
@@ -277,15 +355,50 @@ static void start_consolidate(struct search *search, uint32_t steps, double bad_
         start_certify(search);
 }
 
+// A box that did not get anywhere in the steps it had: what the samples so far leave of the design
+// space is more than a single design.
+static void cut_from_space(struct search *search)
+{
+    struct trim_options options = trim_options_default();
+    options.threads = search->threads;
+    options.keep = search->demands.reference;
+    struct box cut;
+    box_init(&cut, search->space.count);
+    trim(&search->space, NULL, &search->seek.good, &search->archive, &options, &cut);
+    tournament_fini(&search->tournament);
+    award(search, &cut);
+    box_fini(&cut);
+}
+
+static void end_explore(struct search *search)
+{
+    if (search->scenario->search.evaluations > 0 &&
+        !has_volume(&current(search)->box, &search->space))
+        cut_from_space(search);
+    start_consolidate(search, search->consolidation_steps, search_explore_bad);
+}
+
+// Lines up what was given, then what was found.
 static void start_explore(struct search *search)
 {
-    const uint32_t steps = search->scenario->search.exploration_steps;
+    plan_steps(search);
+    uint32_t count = starts_wanted(search);
     struct cloud starts;
     cloud_init(&starts, search->space.count);
-    seek_starts(&search->seek, tournament_starts(steps), &starts);
-    tournament_start(&search->tournament, &search->space, &starts, steps);
+    const bool begun = search->begin.count > 0;
+    if (begun) {
+        cloud_add(&starts, search->begin.lower, 1, 0);
+        count--;
+    }
+    seek_starts(&search->seek, count, &starts);
+    search->tournament.demands = &search->demands;
+    tournament_start(&search->tournament, &search->space, &starts, search->exploration_steps);
+    if (begun)
+        explore_begin(&search->tournament.explores[0], &search->begin);
     cloud_fini(&starts);
     search->phase = SEARCH_PHASE_EXPLORE;
+    if (search->exploration_steps == 0)
+        end_explore(search);
 }
 
 // Whether the whole design space turned out good when it was last sampled.
@@ -297,7 +410,7 @@ static bool all_good(const struct search *search)
 // Sampled the whole design space and found it good: there is nothing to search for.
 static void take_whole_space(struct search *search)
 {
-    tournament_award(&search->tournament, &search->space, &search->space);
+    award(search, &search->space);
     start_certify(search);
 }
 
@@ -310,16 +423,96 @@ static void give_up(struct search *search)
     finish(search, SEARCH_STATUS_NO_GOOD_DESIGN);
 }
 
+// Has nothing more to look for: explores what there is.
+static void end_seek(struct search *search)
+{
+    if (search->begin.count > 0 || search->seek.good.count > 0)
+        start_explore(search);
+    else
+        give_up(search);
+}
+
+static void keep_as_begin(struct search *search, const struct box *box)
+{
+    if (search->begin.count == 0)
+        box_init(&search->begin, search->space.count);
+    box_assign(&search->begin, box);
+}
+
+// Puts the free variables of a design, or of a box's bounds, into the box that is looked at next.
+static void look_at(struct search *search, const double *lower, const double *upper)
+{
+    for (uint32_t v = 0; v < search->space.count; v++) {
+        search->seek.box.lower[v] = lower[search->variables[v]];
+        search->seek.box.upper[v] = upper[search->variables[v]];
+    }
+}
+
+// Goes on with the next thing given that is to be looked at, or with the whole design space.
+static void look_on(struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    if (search->given == GIVEN_REFERENCE) {
+        if (settings->reference != NULL) {
+            look_at(search, settings->reference, settings->reference);
+            return;
+        }
+        search->given = GIVEN_START;
+    }
+    if (search->given == GIVEN_START) {
+        if (settings->start != NULL) {
+            look_at(search, settings->start, settings->start);
+            return;
+        }
+        if (settings->start_box.count > 0) {
+            look_at(search, settings->start_box.lower, settings->start_box.upper);
+            return;
+        }
+        search->given = GIVEN_NONE;
+    }
+    box_assign(&search->seek.box, &search->space);
+}
+
+// No good box contains a bad reference, whatever the share of good designs about it: a design that
+// must stay inside is one that must be good.
+static void refuse_reference(struct search *search)
+{
+    finish(search, SEARCH_STATUS_NO_GOOD_DESIGN);
+}
+
+static void complete_given(struct search *search)
+{
+    const bool any_good = search->good_count > 0;
+    if (search->given == GIVEN_REFERENCE && !any_good) {
+        refuse_reference(search);
+        return;
+    }
+    if (any_good)
+        keep_as_begin(search, &search->seek.box);
+    seek_note(&search->seek, &search->good, &search->bad, search->request.sampling.samples);
+    search->given = search->given == GIVEN_REFERENCE ? GIVEN_START : GIVEN_NONE;
+    look_on(search);
+    const bool enough = search->begin.count > 0 && starts_wanted(search) == 1;
+    if (search->given == GIVEN_NONE &&
+        (enough || steps_affordable(search, search->scenario->search.samples) == 0))
+        end_seek(search);
+}
+
 static void complete_seek(struct search *search)
 {
+    if (search->given != GIVEN_NONE) {
+        complete_given(search);
+        return;
+    }
     const bool whole = box_equal(&search->seek.box, &search->space);
     seek_complete(&search->seek, &search->good, &search->bad, search->request.sampling.samples);
+    // With something to begin with, others are welcome but not needed.
+    const bool begun = search->begin.count > 0 && search->seek.round >= SEEK_WHOLE_ROUNDS;
     if (whole && all_good(search))
         take_whole_space(search);
-    else if (search->seek.state == SEEK_FOUND)
-        start_explore(search);
-    else if (search->seek.state == SEEK_FAILED)
-        give_up(search);
+    else if (search->seek.state != SEEK_LOOKING || begun ||
+             steps_affordable(search, search->scenario->search.samples) == 0)
+        end_seek(search);
 }
 
 // What the finished step showed.
@@ -347,7 +540,7 @@ static void complete_explore(struct search *search)
         tournament_fini(&search->tournament);
         take_whole_space(search);
     } else if (spent) {
-        start_consolidate(search, search->scenario->search.consolidation_steps, search_explore_bad);
+        end_explore(search);
     }
 }
 
@@ -376,8 +569,14 @@ static void complete_certify(struct search *search)
         return;
     }
     search->samples = search->samples > UINT32_MAX / 2 ? search->samples : 2 * search->samples;
-    const uint32_t steps = settings->consolidation_steps / 4;
-    start_consolidate(search, steps > 0 ? steps : 1, bad_before);
+    const uint64_t affordable = steps_affordable(search, search->samples);
+    uint32_t steps = settings->consolidation_steps / 4;
+    steps = steps > 0 ? steps : 1;
+    steps = steps < affordable ? steps : (uint32_t)affordable;
+    if (steps == 0)
+        finish(search, SEARCH_STATUS_PURITY_MISSED);
+    else
+        start_consolidate(search, steps, bad_before);
 }
 
 static void note_step(struct search *search, enum search_phase phase, double growth)
@@ -388,7 +587,7 @@ static void note_step(struct search *search, enum search_phase phase, double gro
         .samples = search->request.sampling.samples,
         .good = search->good_count,
         .growth = growth,
-        .log_volume = box_log_volume(standing(search), &search->space),
+        .log_volume = box_log_volume(&search->result, &search->frame),
     };
 }
 
@@ -399,7 +598,8 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
     count_verdicts(search, verdicts);
     recall(search, verdicts);
-    if (phase != SEARCH_PHASE_SEEK)
+    // Before exploration they matter only where it may be cut short.
+    if (phase != SEARCH_PHASE_SEEK || search->scenario->search.evaluations > 0)
         remember(search);
     search->step++;
     switch (phase) {
@@ -418,26 +618,48 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     case SEARCH_PHASE_DONE:
         break;
     }
-    note_step(search, phase, growth);
     widen(search, standing(search), &search->result);
+    note_step(search, phase, growth);
     ask_next(search);
 }
 
 // ---- making and asking
 
+// The design space, narrowed to the bounds that are held.
+static void hold_bounds(const struct scenario *scenario, struct box *held)
+{
+    const struct scenario_hold *hold = &scenario->search.hold;
+    box_assign(held, &scenario->design_space);
+    for (uint32_t v = 0; v < held->count; v++) {
+        if (hold->lower != NULL && !isnan(hold->lower[v]))
+            held->lower[v] = hold->lower[v];
+        if (hold->upper != NULL && !isnan(hold->upper[v]))
+            held->upper[v] = hold->upper[v];
+    }
+}
+
 static void find_free_variables(struct search *search)
 {
-    const struct box *space = &search->scenario->design_space;
-    box_init(&search->space, box_free_count(space));
-    search->variables = g_new(uint32_t, space->count + 1);
+    const struct scenario *scenario = search->scenario;
+    const uint32_t all = scenario->design_space.count;
+    struct box held;
+    box_init(&held, all);
+    hold_bounds(scenario, &held);
+    box_init(&search->frame, all);
+    box_assign(&search->frame, &scenario->design_space);
+    box_init(&search->space, box_free_count(&held));
+    search->variables = g_new(uint32_t, all + 1);
     uint32_t count = 0;
-    for (uint32_t v = 0; v < space->count; v++) {
-        if (!(space->upper[v] > space->lower[v]))
+    for (uint32_t v = 0; v < all; v++) {
+        if (!(held.upper[v] > held.lower[v])) {
+            search->frame.lower[v] = search->frame.upper[v] = held.lower[v];
             continue;
-        search->space.lower[count] = space->lower[v];
-        search->space.upper[count] = space->upper[v];
+        }
+        search->space.lower[count] = held.lower[v];
+        search->space.upper[count] = held.upper[v];
         search->variables[count++] = v;
     }
+    box_fini(&held);
 }
 
 struct search *search_create(const struct scenario *scenario, uint32_t index, uint64_t seed,
@@ -453,14 +675,16 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     const uint32_t all = scenario->design_space.count;
     box_init(&search->requested, all);
     box_init(&search->result, all);
-    box_assign(&search->result, &scenario->design_space);
+    box_assign(&search->result, &search->frame);
+    demands_init(&search->demands, &scenario->search, search->variables, &search->space);
     cloud_init(&search->good, search->space.count);
     cloud_init(&search->bad, search->space.count);
     cloud_init(&search->archive, search->space.count);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
-    seek_init(&search->seek, &search->space,
-              SEARCH_SEEK_CHOICE * tournament_starts(scenario->search.exploration_steps));
+    plan_steps(search);
+    seek_init(&search->seek, &search->space, SEARCH_SEEK_CHOICE * starts_wanted(search));
+    look_on(search);
     consolidate_init(&search->consolidate, &search->space);
     search->phase = SEARCH_PHASE_SEEK;
     ask_next(search);
@@ -473,11 +697,14 @@ void search_free(struct search *search)
         return;
     tournament_fini(&search->tournament);
     consolidate_fini(&search->consolidate);
+    demands_fini(&search->demands);
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);
     cloud_fini(&search->archive);
     box_fini(&search->space);
+    box_fini(&search->frame);
+    box_fini(&search->begin);
     box_fini(&search->requested);
     box_fini(&search->result);
     g_free(search->variables);
@@ -502,15 +729,14 @@ const struct search_step *search_last_step(const struct search *search)
 // Steps still to come if everything goes as it should.
 static uint32_t steps_left(const struct search *search)
 {
-    const struct scenario_search *settings = &search->scenario->search;
     uint32_t left = 0;
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
-        left += 1 + settings->exploration_steps + settings->consolidation_steps + 1;
+        left += 1 + search->exploration_steps + search->consolidation_steps + 1;
         break;
     case SEARCH_PHASE_EXPLORE:
-        left += settings->exploration_steps - search->tournament.steps +
-                settings->consolidation_steps + 1;
+        left +=
+            search->exploration_steps - search->tournament.steps + search->consolidation_steps + 1;
         break;
     case SEARCH_PHASE_CONSOLIDATE:
         left += search->consolidate.step_count - search->consolidate.steps + 1;
@@ -533,7 +759,7 @@ void search_progress(const struct search *search, struct search_progress *progre
         .step_count = search->step + steps_left(search),
         .evaluations = search->evaluations,
         .good_share = search->step > 0 ? (double)last->good / last->samples : 0,
-        .log_volume = box_log_volume(&search->result, &search->scenario->design_space),
+        .log_volume = box_log_volume(&search->result, &search->frame),
         .box = &search->result,
     };
 }
@@ -569,7 +795,7 @@ void search_result(const struct search *search, struct search_result *result)
     *result = (struct search_result){
         .status = search->status,
         .box = &search->result,
-        .log_volume = box_log_volume(&search->result, &search->scenario->design_space),
+        .log_volume = box_log_volume(&search->result, &search->frame),
         .evaluations = search->evaluations,
         .non_finite = search->non_finite,
         .steps = search->step,

@@ -96,12 +96,18 @@ static uint32_t elite_count(uint32_t samples)
     return count < 5 ? 5 : count;
 }
 
+void seek_note(struct seek *seek, const struct cloud *good, const struct cloud *bad,
+               uint32_t samples)
+{
+    cloud_add_inside(&seek->good, good, seek->space);
+    update_elite(seek, bad, elite_count(samples));
+}
+
 void seek_complete(struct seek *seek, const struct cloud *good, const struct cloud *bad,
                    uint32_t samples)
 {
     assert(seek->state == SEEK_LOOKING);
-    cloud_add_inside(&seek->good, good, seek->space);
-    update_elite(seek, bad, elite_count(samples));
+    seek_note(seek, good, bad, samples);
     seek->round++;
     const bool near = seek->round > SEEK_WHOLE_ROUNDS;
     if (seek->good.count >= (near ? 1 : seek->wanted)) {
@@ -177,7 +183,7 @@ void seek_starts(const struct seek *seek, uint32_t count, struct cloud *starts)
         return;
     double *middle = middle_of(seek);
     double *nearest = g_new(double, good->count);
-    if (good->count > 1) {
+    if (good->count > 1 && count > 1) {
         cloud_add(starts, middle, 1, 0);
         count--;
     }

@@ -41,6 +41,10 @@ struct seek {
 void seek_init(struct seek *seek, const struct box *space, uint32_t wanted);
 void seek_fini(struct seek *seek);
 
+// Takes samples that were drawn outside the rounds: of what was given to begin with.
+void seek_note(struct seek *seek, const struct cloud *good, const struct cloud *bad,
+               uint32_t samples);
+
 // Takes the samples of a round and moves on; `samples` is their number.
 void seek_complete(struct seek *seek, const struct cloud *good, const struct cloud *bad,
                    uint32_t samples);

@@ -35,6 +35,8 @@ void tournament_start(struct tournament *tournament, const struct box *space,
     for (uint32_t i = 0; i < starts->count; i++) {
         tournament->left[i] = i;
         explore_init(&tournament->explores[i], space, starts->values + i, starts->capacity);
+        if (tournament->demands != NULL)
+            explore_demand(&tournament->explores[i], tournament->demands);
     }
     tournament->turn_steps = round_steps(tournament);
     tournament->growing_steps = tournament->left_count * tournament->turn_steps;

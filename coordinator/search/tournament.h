@@ -18,7 +18,8 @@ enum {
 };
 
 struct tournament {
-    struct explore *explores; // (count) one for each start
+    const struct demands *demands; // borrowed, set before the start; NULL: none
+    struct explore *explores;      // (count) one for each start
     uint32_t count;
     uint32_t *left; // (left_count of count) indexes of the boxes that are still in, best first
     uint32_t left_count;
@@ -33,7 +34,8 @@ struct tournament {
 uint32_t tournament_starts(uint32_t step_count);
 
 // Lines up a box for each of `starts` (at least 1). The tournament is
-// zeroed before; the caller releases it with tournament_fini(). `space` is borrowed.
+// zeroed before, but for its demands; the caller releases it with tournament_fini(). `space` is
+// borrowed.
 void tournament_start(struct tournament *tournament, const struct box *space,
                       const struct cloud *starts, uint32_t step_count);
 

@@ -126,6 +126,13 @@ static bool pick_previous_anchor(struct trimming *trimming)
     return found;
 }
 
+static void add_anchor(struct trimming *trimming, const double *point)
+{
+    const size_t variables = trimming->grown->count;
+    memcpy(trimming->anchors + trimming->anchor_count++ * variables, point,
+           variables * sizeof *point);
+}
+
 static void cut_all(struct carve *carve, enum order order)
 {
     const struct cloud *bad = carve->points->cloud;
@@ -246,10 +253,17 @@ bool trim(const struct box *grown, const struct box *previous, const struct clou
         trimming.bad = &inside;
     }
     trimming.anchors = g_new(double, (size_t)(TRIM_ANCHOR_MAX + 1) * (grown->count + 1));
-    const bool found = trimming.good.count > 0;
+    const bool found = trimming.good.count > 0 || options->keep != NULL;
     if (found && trimming.bad->count > 0) {
-        const bool warm = pick_previous_anchor(&trimming);
-        pick_anchors(&trimming, &whole, &trimming.good, options->anchors);
+        bool warm = false;
+        if (options->keep != NULL) {
+            warm = previous != NULL;
+            for (uint32_t i = 0; i <= (uint32_t)warm; i++)
+                add_anchor(&trimming, options->keep);
+        } else {
+            warm = pick_previous_anchor(&trimming);
+            pick_anchors(&trimming, &whole, &trimming.good, options->anchors);
+        }
         carve_points_init(&trimming.points, trimming.bad, options->threads);
         trim_from_anchors(&trimming, warm, options, trimmed);
         carve_points_fini(&trimming.points);

@@ -29,9 +29,11 @@
 #include <stdbool.h>
 
 struct trim_options {
-    uint32_t anchors; // good points tried, at most TRIM_ANCHOR_MAX
-    uint32_t rounds;  // of improvement over all sides; it stops early when a round gains nothing
-    double edge;      // 0: a cut lies just inside the bad sample; 1: on the last good one before it
+    uint32_t anchors;   // good points tried, at most TRIM_ANCHOR_MAX
+    uint32_t rounds;    // of improvement over all sides; it stops early when a round gains nothing
+    const double *keep; // (variables) a point that stays inside, the only anchor; or NULL. `grown`
+                        // and `previous` contain it
+    double edge; // 0: a cut lies just inside the bad sample; 1: on the last good one before it
     int threads;
 };
 

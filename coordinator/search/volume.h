@@ -14,6 +14,11 @@ struct volume {
 // Product of width / width in `space` over the variables that have a width there.
 struct volume volume_of(const struct box *box, const struct box *space);
 
+// Product of (width / width in `space`) to the power of the variable's weight (> 0). Logarithms and
+// powers are summed from their series, so that all machines round the same.
+struct volume volume_weighted(const struct box *box, const struct box *space,
+                              const double *weights);
+
 // Whether a > b.
 bool volume_above(struct volume a, struct volume b);
 

@@ -1,5 +1,4 @@
-// How to search: what each key means, and what its mistakes are told. Keys are read here whether or
-// not the search offers them yet.
+// How to search: what each key means, and what its mistakes are told.
 #include "common/scenario/search_read.h"
 
 #include "common/scenario/scenario_read.h"

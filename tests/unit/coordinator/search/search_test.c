@@ -101,7 +101,8 @@ struct setting {
     uint32_t certificate;
     double target;
     int threads;
-    bool replay; // start anew half-way, from the verdicts given so far
+    bool replay;                  // start anew half-way, from the verdicts given so far
+    struct scenario_search asked; // what engineers ask for; everything else is filled in
 };
 
 static const struct setting standard = {
@@ -130,14 +131,13 @@ static struct scenario scenario_of(const struct setting *setting)
         scenario.design_space.lower[v] = v < setting->fixed ? 0.25 : setting->lower;
         scenario.design_space.upper[v] = v < setting->fixed ? 0.25 : setting->upper;
     }
-    scenario.search = (struct scenario_search){
-        .samples = setting->samples,
-        .exploration_steps = setting->steps,
-        .consolidation_steps = setting->steps,
-        .certificate_samples = setting->certificate,
-        .target_purity = setting->target,
-        .sampling = SCENARIO_SAMPLING_UNIFORM,
-    };
+    scenario.search = setting->asked;
+    scenario.search.samples = setting->samples;
+    scenario.search.exploration_steps = setting->steps;
+    scenario.search.consolidation_steps = setting->steps;
+    scenario.search.certificate_samples = setting->certificate;
+    scenario.search.target_purity = setting->target;
+    scenario.search.sampling = SCENARIO_SAMPLING_UNIFORM;
     return scenario;
 }
 
@@ -476,6 +476,260 @@ static void asking_twice_changes_nothing(void **state)
     box_fini(&scenario.design_space);
 }
 
+// A problem and what is asked of its box.
+static struct setting asking(problem_function *problem, uint32_t variables)
+{
+    struct setting setting = standard;
+    setting.problem = problem;
+    setting.variables = variables;
+    return setting;
+}
+
+static double width(const struct box *box, uint32_t variable)
+{
+    return box->upper[variable] - box->lower[variable];
+}
+
+// The budget holds for everything, the certificate and second looks included, and shortens the
+// steps evenly: the box is certified nevertheless. One that is hardly enough still gives a box and
+// an honest purity.
+static void budget_is_kept(void **state)
+{
+    (void)state;
+    static const uint64_t budgets[] = {10200, 10500, 14000, 20000, 30000};
+    for (int i = 0; i < 5; i++) {
+        struct setting setting = asking(hypersphere, 4);
+        setting.asked.evaluations = budgets[i];
+        struct outcome_of_search outcome = run(&setting, 3);
+        assert_true(outcome.result.evaluations <= budgets[i]);
+        assert_true(outcome.result.purity.samples == 10000);
+        assert_true(outcome.result.log_volume > -6);
+        if (budgets[i] >= 20000)
+            assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        box_fini(&outcome.box);
+    }
+}
+
+// As many boxes grow as were asked for; one alone grows from a good design.
+static void starts_are_as_many_as_asked_for(void **state)
+{
+    (void)state;
+    static const uint32_t starts[] = {1, 2, 12};
+    uint32_t last = 0;
+    for (int i = 0; i < 3; i++) {
+        struct setting setting = asking(two_regions, 3);
+        setting.lower = -2;
+        setting.upper = 2;
+        setting.asked.starts = starts[i];
+        struct outcome_of_search outcome = run(&setting, 4);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        // More starts are sought for longer where good designs are few.
+        assert_true(outcome.steps[SEARCH_PHASE_SEEK] >= last);
+        last = outcome.steps[SEARCH_PHASE_SEEK];
+        box_fini(&outcome.box);
+    }
+    assert_true(last > 1);
+}
+
+// From a given design the search goes to the region around it, though another is larger, and
+// finds in one sample what no Latin hypercube would: a cube of side 0.01 in ten variables.
+static void search_begins_at_the_given_design(void **state)
+{
+    (void)state;
+    double start[10];
+    struct setting setting = asking(two_regions, 3);
+    setting.lower = -2;
+    setting.upper = 2;
+    setting.asked.start = start;
+    for (uint32_t v = 0; v < 10; v++)
+        start[v] = -0.5;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_SEEK], 1);
+    assert_true(outcome.box.upper[0] < 0);
+    box_fini(&outcome.box);
+    setting = asking(tiny_cube, 10);
+    setting.asked.start = start;
+    for (uint32_t v = 0; v < 10; v++)
+        start[v] = 0.301;
+    outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_SEEK], 1);
+    box_fini(&outcome.box);
+}
+
+// A bad start is no reason to give up: the search looks for others.
+static void bad_start_is_passed_over(void **state)
+{
+    (void)state;
+    double start[2] = {0.99, 0.99};
+    struct setting setting = asking(hypersphere, 2);
+    setting.asked.start = start;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_true(volume(&outcome.box) > 0.9);
+    box_fini(&outcome.box);
+}
+
+// From a given box too.
+static void search_begins_at_the_given_box(void **state)
+{
+    (void)state;
+    struct setting setting = asking(two_regions, 3);
+    setting.lower = -2;
+    setting.upper = 2;
+    double lower[3] = {-0.6, -0.6, -0.6};
+    double upper[3] = {-0.3, -0.3, -0.3};
+    setting.asked.start_box = (struct box){.count = 3, .lower = lower, .upper = upper};
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_true(outcome.box.upper[0] < 0);
+    box_fini(&outcome.box);
+}
+
+// A reference near the corner of the circle bends the whole box towards it, and stays inside.
+static void reference_stays_inside(void **state)
+{
+    (void)state;
+    double reference[2] = {0.65, -0.2};
+    struct setting setting = asking(hypersphere, 2);
+    setting.asked.reference = reference;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        struct outcome_of_search outcome = run(&setting, seed);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        assert_true(box_contains(&outcome.box, reference));
+        assert_true(volume(&outcome.box) > 0.4);
+        box_fini(&outcome.box);
+    }
+}
+
+// No good box contains a bad design: one sample says so, and which constraint it is.
+static void bad_reference_is_refused(void **state)
+{
+    (void)state;
+    double reference[2] = {0.9, 0.9};
+    struct setting setting = asking(hypersphere, 2);
+    setting.asked.reference = reference;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_NO_GOOD_DESIGN);
+    assert_int_equal(outcome.result.blocking_constraint, 1);
+    assert_int_equal(outcome.result.evaluations, 1);
+    assert_true(outcome.box.lower[0] == 0.9 && outcome.box.upper[1] == 0.9);
+    box_fini(&outcome.box);
+}
+
+// Held bounds stay where they are, to the bit, the others make the best of it, and a variable held
+// to a value does not make the volume vanish.
+static void held_bounds_stay(void **state)
+{
+    (void)state;
+    double lower[3] = {-0.1, 0.2, NAN};
+    double upper[3] = {NAN, 0.2, NAN};
+    struct setting setting = asking(hypersphere, 3);
+    setting.asked.hold.lower = lower;
+    setting.asked.hold.upper = upper;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_true(outcome.box.lower[0] == -0.1);
+    assert_true(outcome.box.lower[1] == 0.2 && outcome.box.upper[1] == 0.2);
+    assert_true(outcome.box.upper[0] > 0.4 && width(&outcome.box, 2) > 0.8);
+    assert_true(isfinite(outcome.result.log_volume));
+    box_fini(&outcome.box);
+}
+
+// Corridors are as wide as asked for, at the cost of the others; where that cannot be had the
+// search says that the purity was missed.
+static void minimum_widths_are_kept(void **state)
+{
+    (void)state;
+    double widths[3] = {1.4, 0, 0.1};
+    struct setting setting = asking(hypersphere, 3);
+    setting.asked.minimum_widths = widths;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_true(width(&outcome.box, 0) >= 1.4 && width(&outcome.box, 1) < 1.1);
+    assert_true(volume(&outcome.box) > 0.8);
+    box_fini(&outcome.box);
+    widths[1] = widths[2] = 1.4;
+    outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_PURITY_MISSED);
+    assert_true(width(&outcome.box, 2) >= 1.4);
+    box_fini(&outcome.box);
+}
+
+// In the circle the best box with weights w has half-widths in proportion to their roots: the wide
+// one is 1.7 times the other where one variable counts three times.
+static void weights_make_corridors_wide(void **state)
+{
+    (void)state;
+    double weights[2] = {3, 1};
+    struct setting setting = asking(hypersphere, 2);
+    setting.asked.weights = weights;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        struct outcome_of_search outcome = run(&setting, seed);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        const double ratio = width(&outcome.box, 0) / width(&outcome.box, 1);
+        if (!(ratio > 1.45 && ratio < 2.1))
+            fail_msg("seed %d: ratio %.3f", (int)seed, ratio);
+        box_fini(&outcome.box);
+    }
+}
+
+// Good where one variable is small and another, tied to it, is not: they share what both allow.
+static double apart(uint32_t variables, const double *design, size_t stride)
+{
+    (void)variables;
+    const double one = fabs(design[0] - 0.2) - 0.4;
+    const double two = fabs(design[stride] + 0.2) - 0.4;
+    const double three = fabs(design[2 * stride]) - 0.5;
+    return fmax(fmax(one, two), three);
+}
+
+// Two springs share one corridor: equal to the bit, and as wide as both allow.
+static void tied_variables_share_a_corridor(void **state)
+{
+    (void)state;
+    uint32_t tie[3] = {0, 0, 2};
+    struct setting setting = asking(apart, 3);
+    setting.asked.tie = tie;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        struct outcome_of_search outcome = run(&setting, seed);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        assert_true(outcome.box.lower[0] == outcome.box.lower[1]);
+        assert_true(outcome.box.upper[0] == outcome.box.upper[1]);
+        const double shared = width(&outcome.box, 0);
+        if (!(shared > 0.37 && shared < 0.42))
+            fail_msg("seed %d: width %.3f", (int)seed, shared);
+        box_fini(&outcome.box);
+    }
+}
+
+// What was asked for does not come between a search and its journal: it is resumed to the bit, on
+// any number of threads.
+static void search_with_demands_is_resumed(void **state)
+{
+    (void)state;
+    double weights[5] = {2, 1, 1, 1, 0.5};
+    double widths[5] = {0, 0.9, 0.9, 0, 0};
+    double reference[5] = {0.1, 0.3, -0.2, 0, 0};
+    uint32_t tie[5] = {0, 1, 1, 3, 4};
+    struct setting setting = asking(hypersphere, 5);
+    setting.asked = (struct scenario_search){.evaluations = 40000,
+                                             .starts = 3,
+                                             .weights = weights,
+                                             .minimum_widths = widths,
+                                             .reference = reference,
+                                             .tie = tie};
+    struct outcome_of_search whole = run(&setting, 9);
+    assert_int_equal(whole.result.status, SEARCH_STATUS_DONE);
+    setting.replay = true;
+    setting.threads = 4;
+    struct outcome_of_search resumed = run(&setting, 9);
+    assert_true(digest_equal(&whole.result.digest, &resumed.result.digest));
+    box_fini(&whole.box);
+    box_fini(&resumed.box);
+}
+
 // Every phase and status has the name that files and messages use.
 static void phases_and_statuses_have_names(void **state)
 {
@@ -504,6 +758,18 @@ int main(void)
         cmocka_unit_test(threads_do_not_change_the_result),
         cmocka_unit_test(replayed_search_ends_with_the_same_digest),
         cmocka_unit_test(asking_twice_changes_nothing),
+        cmocka_unit_test(budget_is_kept),
+        cmocka_unit_test(starts_are_as_many_as_asked_for),
+        cmocka_unit_test(search_begins_at_the_given_design),
+        cmocka_unit_test(bad_start_is_passed_over),
+        cmocka_unit_test(search_begins_at_the_given_box),
+        cmocka_unit_test(reference_stays_inside),
+        cmocka_unit_test(bad_reference_is_refused),
+        cmocka_unit_test(held_bounds_stay),
+        cmocka_unit_test(minimum_widths_are_kept),
+        cmocka_unit_test(weights_make_corridors_wide),
+        cmocka_unit_test(tied_variables_share_a_corridor),
+        cmocka_unit_test(search_with_demands_is_resumed),
         cmocka_unit_test(phases_and_statuses_have_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
