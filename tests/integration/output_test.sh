@@ -112,7 +112,7 @@ _run_stops_and_goes_on()
     expect_no disk/run/result.json
     expect_no disk/run/corridors.csv
     [ "$(journal disk/run 'PRAGMA integrity_check')" = ok ] || fail 'the journal is damaged'
-    mount -o remount,size=10m disk
+    mount --options-mode ignore -o remount,size=10m none disk
     run 0 sobox-coordinator --resume disk/run
     expect_equal "$(digest disk/run)" "$(digest calm)" 'digest after the disk was full'
 }
@@ -141,7 +141,8 @@ standard_output_that_takes_nothing_is_told()
     local program
     for program in coordinator worker simulate report monitor; do
         run 1 bash -c "exec sobox-$program --version >/dev/full"
-        expect_said err 'standard output: No space left on device'
+        # The thread sanitizer empties the buffer before the program looks, and keeps the reason.
+        expect_said err 'standard output: (No space left on device|writing failed)'
     done
     run 1 bash -c "exec sobox-coordinator '$scenario' --out run >/dev/full"
     expect_equal "$(grep -c error: err)" 1 'times it was said'
