@@ -544,6 +544,16 @@ static void pack_box(GByteArray *bytes, const struct box *box)
     journal_doubles_put(bytes, box->upper, box->count);
 }
 
+// Whether the file is no longer where it was opened. SQLite would go on writing into what nobody
+// will ever read, and hours later the run would be lost.
+static bool removed(struct journal *journal)
+{
+    int moved = 0;
+    return sqlite3_file_control(journal->database, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
+               SQLITE_OK &&
+           moved != 0;
+}
+
 enum status journal_append(struct journal *journal, const struct journal_step *step,
                            struct error *error)
 {
@@ -551,6 +561,11 @@ enum status journal_append(struct journal *journal, const struct journal_step *s
     assert(step->samples <= JOURNAL_SAMPLE_MAX);
     assert(step->box->count <= JOURNAL_VARIABLE_MAX);
     assert(step->detail < VERDICT_DETAIL_COUNT);
+    if (removed(journal))
+        return error_set(error, STATUS_IO,
+                         "%s: was removed or moved away while the run went on: nothing more can be "
+                         "kept",
+                         journal->path);
 
     pack_box(journal->bounds, step->box);
     journal_doubles_put(journal->bounds, (const double[]){step->growth, step->log_volume}, 2);

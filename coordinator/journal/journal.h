@@ -119,6 +119,7 @@ enum status journal_open(struct journal **journal, const char *directory, enum j
 void journal_close(struct journal *journal);
 
 // Writes a finished step. When it returns STATUS_OK the step survives kill -9 of this process.
+// Errors: STATUS_IO (disk full or broken; the file was removed or moved away).
 enum status journal_append(struct journal *journal, const struct journal_step *step,
                            struct error *error) MUST_USE;
 

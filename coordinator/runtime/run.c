@@ -320,8 +320,11 @@ enum status run_resume(struct run *run, const char *directory, const struct run_
     }
     struct taking_up taking_up = {.run = run, .choice = choice};
     enum status status = journal_open(&run->journal, directory, JOURNAL_RESUME, error);
-    if (status == STATUS_OK)
-        status = journal_read_run(run->journal, &run->record, error);
+    if (status != STATUS_OK) {
+        run_fini(run);
+        return status; // names the folder
+    }
+    status = journal_read_run(run->journal, &run->record, error);
     if (status == STATUS_OK)
         status = check_resumable(run, error);
     if (status == STATUS_OK) {

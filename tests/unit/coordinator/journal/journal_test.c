@@ -559,6 +559,21 @@ static void full_disk_fails_the_append_only(void **state)
     assert_int_equal(count_steps(*state, 0), count + 1);
 }
 
+// Writing into a file that has no name any more succeeds, and hours of work would be gone at the
+// end.
+static void removed_journal_fails_the_append(void **state)
+{
+    struct journal *journal = create(*state, 1);
+    append_ok(journal, 0, 0);
+    char *path = database_path(*state);
+    assert_int_equal(unlink(path), 0);
+    g_free(path);
+    struct error error = {0};
+    assert_int_equal(append(journal, 0, 1, &error), STATUS_IO);
+    assert_error(&error, STATUS_IO, "was removed or moved away");
+    journal_close(journal);
+}
+
 // Files may grow to `size` bytes only: the nearest thing to a full disk that needs no mount.
 static void limit_files(rlim_t size)
 {
@@ -979,6 +994,7 @@ int main(void)
         IN_FOLDER(appended_steps_survive_kill),
         IN_FOLDER(cut_log_loses_only_the_last_steps),
         IN_FOLDER(full_disk_fails_the_append_only),
+        IN_FOLDER(removed_journal_fails_the_append),
         IN_FOLDER(failed_creation_leaves_nothing),
         IN_FOLDER(reader_sees_one_moment_beside_the_writer),
         IN_FOLDER(readers_leave_no_files),
