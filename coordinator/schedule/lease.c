@@ -10,9 +10,6 @@
 // within one network half of that is plenty.
 #define LEASE_FIRST_NS INT64_C(200000000)
 
-// Halvings of a new worker's least lease: more than any needs to come to nothing.
-enum { LEASE_HALVINGS_MAX = 60 };
-
 // Nothing is overdue sooner than this: a box may have to be fetched first, and a worker that
 // measured microseconds so far may have to wait for its turn on its own machine.
 #define LEASE_OVERDUE_MIN_NS INT64_C(1000000)
@@ -77,14 +74,13 @@ static int64_t lease_bound_ns(const struct roster_worker *worker, double work_ns
     return ns_of(work_ns * (1 + spread) + estimate_bound(&worker->delay));
 }
 
-// The least lease of a worker, which halves with each of its outcomes that was measured.
+// The least lease of a worker.
 static int64_t lease_least_ns(const struct lease_book *book, const struct roster_worker *worker)
 {
     const struct schedule_settings *settings = book->settings;
-    int64_t new_ns = ns_max(settings->lease_new_ns, LEASE_FIRST_NS);
     if (worker->delay.measured)
-        new_ns = settings->lease_new_ns >> ns_min(worker->measured_count, LEASE_HALVINGS_MAX);
-    return ns_max(new_ns, settings->lease_min_ns);
+        return ns_max(worker->least_ns, settings->lease_min_ns);
+    return ns_max(ns_max(settings->lease_new_ns, LEASE_FIRST_NS), settings->lease_min_ns);
 }
 
 static struct lease_plan lease_plan(const struct lease_book *book, const struct roster *roster,

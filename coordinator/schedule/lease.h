@@ -6,9 +6,9 @@
 //        + 4 deviations
 //        + delay
 //
-// The end is twice as far from the start as late is, and not below the least lease: lease_new_ns,
-// which halves with each outcome of the worker that is measured, down to lease_min_ns. Late is not
-// below a quarter of that. After LEASE_FREE_COUNT attempts each further one has twice the time of
+// The end is twice as far from the start as late is, and not below the worker's least lease
+// (roster_hurry()), which is between lease_new_ns and lease_min_ns. Late is not below a quarter of
+// that. After LEASE_FREE_COUNT attempts each further one has twice the time of
 // the one before.
 //
 // All of this is worked out anew when the timer rings: what has been measured meanwhile counts, so

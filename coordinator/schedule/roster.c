@@ -9,6 +9,7 @@
 enum {
     ROSTER_FORGET_SILENCES = 200, // silences after which one that is gone is forgotten: 10 minutes
                                   // at 3 s, longer than a reboot
+    ROSTER_CALM_DIVISOR = 16,     // see roster_hurry()
     ROSTER_QUEUE_MAX = 65536,     // what a worker may claim to have waiting
     ROSTER_THREADS_MAX = 4096,    // and to compute with: more than any machine has
 };
@@ -172,6 +173,7 @@ struct roster_worker *roster_add(struct roster *roster, uint64_t id, const char 
     worker->state = state;
     worker->heard_ns = now_ns;
     worker->outcome_ns = INT64_MIN;
+    worker->least_ns = roster->settings->lease_new_ns;
     worker->leases = g_new0(struct lease *, roster->settings->window_max);
     worker->rank.tie = worker->idle_rank.tie = roster->joined++;
     worker->link.data = worker;
@@ -257,6 +259,51 @@ void roster_measure(struct roster *roster, struct roster_worker *worker, double 
         worker->measured_count++;
     estimate_add(&roster->core, service * worker->threads, 0);
     roster_rank(roster, worker);
+}
+
+static void worker_set_least(const struct roster *roster, struct roster_worker *worker,
+                             int64_t least_ns)
+{
+    worker->least_ns =
+        MAX(MIN(least_ns, roster->settings->lease_new_ns), roster->settings->lease_min_ns);
+}
+
+void roster_hurry(const struct roster *roster, struct roster_worker *worker)
+{
+    worker_set_least(roster, worker,
+                     worker->least_ns -
+                         worker->least_ns / (worker->hurried ? ROSTER_CALM_DIVISOR : 2));
+}
+
+void roster_too_soon(const struct roster *roster, struct roster_worker *worker)
+{
+    worker->hurried = true;
+    worker_set_least(roster, worker, 2 * worker->least_ns);
+}
+
+void roster_missed(const struct roster *roster, struct roster_worker *worker,
+                   const struct schedule_batch *batch, uint32_t attempt)
+{
+    struct roster_missed *missed = &worker->missed[worker->missed_next++ % ROSTER_MISSED_MAX];
+    if (missed->open)
+        worker_set_least(roster, worker, worker->least_ns - worker->least_ns / 4);
+    *missed = (struct roster_missed){.batch = *batch, .open = true};
+    missed->batch.attempt = attempt;
+}
+
+void roster_came(const struct roster *roster, struct roster_worker *worker,
+                 const struct schedule_batch *batch)
+{
+    for (uint32_t i = 0; i < ROSTER_MISSED_MAX; i++) {
+        struct roster_missed *missed = &worker->missed[i];
+        if (!missed->open || missed->batch.search != batch->search ||
+            missed->batch.step != batch->step || missed->batch.batch != batch->batch ||
+            missed->batch.attempt != batch->attempt)
+            continue;
+        missed->open = false;
+        roster_too_soon(roster, worker);
+        return;
+    }
 }
 
 void roster_answered(struct roster *roster, struct roster_worker *worker, int64_t now_ns)

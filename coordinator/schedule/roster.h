@@ -30,11 +30,19 @@ struct backlog_batch;
 struct lease;
 
 enum {
+    ROSTER_MISSED_MAX = 8, // a worker's given-up leases remembered; an outcome that has not come by
+                           // the ninth was lost
     ROSTER_WORKER_MAX =
         65536,              // known at once; a newcomer then replaces the one gone for longest, and
                             // is ignored when nobody is gone: strangers cannot fill the memory
     ROSTER_STALL_COUNT = 3, // in a row that make a worker stalled: with 10 % loss each way one
                             // batch in five fails, three in a row fail once in 150
+};
+
+// A lease that was given up before its outcome came.
+struct roster_missed {
+    struct schedule_batch batch; // with the attempt
+    bool open;                   // its outcome has not come yet
 };
 
 enum roster_state {
@@ -59,7 +67,11 @@ struct roster_worker {
     struct estimate service; // its time for what a core is thought to do in 1 ns [ns / ns]
     struct estimate delay;   // from lease to outcome, beyond the work expected [ns]
     uint32_t measured_count; // outcomes that both were taken from
-    uint32_t stalls;         // leases late or lapsed since it was heard to work
+    int64_t least_ns;        // its least lease [ns], see roster_hurry()
+    bool hurried;            // a lease of it was given up too soon
+    struct roster_missed missed[ROSTER_MISSED_MAX];
+    uint32_t missed_next; // the next one's place
+    uint32_t stalls;      // leases late or lapsed since it was heard to work
 
     // What it holds.
     struct lease **leases; // (lease_count) of at most window_max
@@ -123,6 +135,22 @@ void roster_measure(struct roster *roster, struct roster_worker *worker, double 
 // another worker answered.
 void roster_answered(struct roster *roster, struct roster_worker *worker, int64_t now_ns);
 void roster_lapsed(struct roster *roster, struct roster_worker *worker, int64_t start_ns);
+
+// How short leases may be is found out as TCP finds out how fast to send. The least lease begins at
+// lease_new_ns and is halved with each outcome in time; once a lease was given up too soon, it is
+// doubled for each of these, and comes down by a sixteenth with each outcome in time and by a
+// quarter with each that was lost. So where nothing gets lost, one batch in 11 is copied for
+// nothing at most (ln 2 / ln (16/15)), however unsteady the machines are.
+//
+// roster_hurry(): an outcome came in time. / roster_too_soon(): one came for which another worker
+// had been asked too. / roster_missed(): the worker's lease was given up. / roster_came(): an
+// outcome came, be it of a lease that had been given up, which then was too soon as well.
+void roster_hurry(const struct roster *roster, struct roster_worker *worker);
+void roster_missed(const struct roster *roster, struct roster_worker *worker,
+                   const struct schedule_batch *batch, uint32_t attempt);
+void roster_came(const struct roster *roster, struct roster_worker *worker,
+                 const struct schedule_batch *batch);
+void roster_too_soon(const struct roster *roster, struct roster_worker *worker);
 
 bool roster_stalled(const struct roster_worker *worker);
 

@@ -55,7 +55,7 @@ struct schedule_settings schedule_settings_default(void)
         .silence_ns = 3 * INT64_C(1000000000),
         // Above what a busy machine's scheduler and a garbage-collecting switch take now and then
         // (tens of ms with two processes a core), and far below what a person notices. It halves
-        // with each outcome that is measured.
+        // with each outcome in time.
         .lease_new_ns = 50 * INT64_C(1000000),
         // What a lost message costs where every measurement is short and nobody is idle; a quarter
         // of it where somebody is. A hiccup that is longer makes copies: an idle worker's time.
@@ -175,6 +175,7 @@ static void lease_lapse(struct schedule *schedule, struct lease *lease)
 {
     struct roster_worker *worker = lease->worker;
     int64_t start_ns = lease->start_ns;
+    roster_missed(&schedule->roster, worker, &lease->batch->identity, lease->attempt);
     lease_release(schedule, lease);
     roster_lapsed(&schedule->roster, worker, start_ns);
 }
@@ -299,6 +300,10 @@ static void outcome_measure(struct schedule *schedule, const struct schedule_eve
     if (lease == NULL)
         return;
     uint64_t order = lease->order;
+    if (lease->worker != NULL && lease->late && lease_active(batch) > 1)
+        roster_too_soon(&schedule->roster, worker);
+    else if (lease->worker != NULL)
+        roster_hurry(&schedule->roster, worker);
     lease_measure(&schedule->book, lease, &schedule->roster, worker, event->outcome.service_ns,
                   schedule->now_ns);
     if (lease->worker != NULL)
@@ -316,8 +321,10 @@ static void outcome_end_leases(struct schedule *schedule, struct backlog_batch *
         if (worker == NULL)
             continue;
         lease_end(&schedule->book, &schedule->roster, lease);
-        if (lease->late)
-            roster_lapsed(&schedule->roster, worker, lease->start_ns);
+        if (!lease->late)
+            continue;
+        roster_missed(&schedule->roster, worker, &batch->identity, lease->attempt);
+        roster_lapsed(&schedule->roster, worker, lease->start_ns);
     }
 }
 
@@ -353,8 +360,10 @@ static void outcome_event(struct schedule *schedule, const struct schedule_event
     enum backlog_match match = backlog_match(&schedule->backlog, &event->outcome.batch, &batch);
     if (worker != NULL && worker->state != ROSTER_LEFT) {
         worker_heard(schedule, worker);
-        if (match != BACKLOG_MATCH_UNKNOWN)
+        if (match != BACKLOG_MATCH_UNKNOWN) {
             roster_answered(&schedule->roster, worker, schedule->now_ns);
+            roster_came(&schedule->roster, worker, &event->outcome.batch);
+        }
         if (batch != NULL)
             outcome_measure(schedule, event, worker, batch);
         roster_queue(&schedule->roster, worker, event->outcome.queue);

@@ -829,6 +829,58 @@ static void short_hiccup_makes_no_copies(void **state)
     assert_int_equal(desk.sent_count, 2);
 }
 
+// Two workers do 2000 steps; every fifth answer of worker 1 comes 3 ms late or, where `lost`,
+// never. Returns how many copies that took.
+static uint64_t copies_where_every_fifth_answer_is_late(bool lost)
+{
+    warm_up(2, 1000);
+    uint32_t asked = 0;
+    for (uint32_t step = 0; step < 2000; step++) {
+        announce(1);
+        announce(2);
+        want(0, step, 200, 1000);
+        desk.now_ns += MS / 5;
+        struct sent late = {0};
+        while (desk.steps_done <= step) {
+            for (; answered < desk.sent_count; answered++) {
+                const struct sent sent = desk.sent[answered];
+                if (sent.worker == 1 && ++asked % 5 == 0)
+                    late = sent;
+                else
+                    answer(sent, MS / 10);
+            }
+            if (desk.steps_done > step)
+                break;
+            pass(lost ? MS / 4 : 3 * MS);
+            if (!lost)
+                answer(late, MS / 10);
+        }
+        if (!lost && late.worker != 0 && desk.now_ns < late.at_ns + 3 * MS) {
+            pass(late.at_ns + 3 * MS - desk.now_ns);
+            answer(late, MS / 10);
+        }
+        desk.sent_count = answered = 0;
+    }
+    return counters().copies + counters().released;
+}
+
+// Where machines are unsteady and nothing gets lost, copies are for nothing: leases become longer
+// until they are few.
+static void copies_for_nothing_stay_few(void **state)
+{
+    (void)state;
+    assert_true(copies_where_every_fifth_answer_is_late(false) < 2000 / 11 + 20);
+}
+
+// Where answers get lost, leases stay short and copies are made.
+static void copies_for_lost_answers_are_made_soon(void **state)
+{
+    (void)state;
+    const int64_t start_ns = desk.now_ns;
+    assert_true(copies_where_every_fifth_answer_is_late(true) > 300);
+    assert_true(desk.now_ns - start_ns < 2000 * MS);
+}
+
 // One hiccup of a worker known to be quick does not make its next losses cost as much.
 static void hiccup_is_forgotten_soon(void **state)
 {
@@ -1195,6 +1247,8 @@ int main(void)
         TEST(idle_worker_copies_late_batch),
         TEST(busy_workers_make_no_copies),
         TEST(short_hiccup_makes_no_copies),
+        TEST(copies_for_nothing_stay_few),
+        TEST(copies_for_lost_answers_are_made_soon),
         TEST(hiccup_is_forgotten_soon),
         TEST(answer_to_a_forgotten_attempt_teaches),
         TEST(workers_whose_batches_are_late_copy_each_others),
