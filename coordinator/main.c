@@ -16,6 +16,7 @@
 #include "worker/runtime/worker.h"
 
 #include <glib.h>
+#include <glib/gstdio.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
@@ -162,6 +163,12 @@ static enum status check_together(const struct options *options, struct error *e
     if (options->scenario == NULL)
         return error_set(error, STATUS_INVALID,
                          "no scenario: expected sobox-coordinator SCENARIO.yaml (see --help)");
+    // What it holds is looked at before it is read, and of a pipe nothing is left by then.
+    GStatBuf file;
+    if (g_stat(options->scenario, &file) == 0 && S_ISFIFO(file.st_mode))
+        return error_set(error, STATUS_INVALID,
+                         "%s:1:1: expected a file, found a pipe, which can be read only once",
+                         options->scenario);
     if (sweep_option(options) != NULL && !sweep_detect(options->scenario)) {
         // A file that is no YAML at all is better told by its own error.
         struct scenario scenario;

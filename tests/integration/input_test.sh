@@ -149,3 +149,11 @@ override_may_be_written_in_any_alphabet()
     expect_equal "$(json 'über alles/result.json' '$.name')" 'Weißer Käfer' 'name'
     run 0 env LC_ALL=C sobox-simulate "$scenario" --set 'name=Weißer Käfer'
 }
+
+# Read twice, a pipe would be empty or never end.
+scenario_in_a_pipe_is_refused()
+{
+    run 2 bash -c "cat '$scenario' | sobox-coordinator /dev/stdin --out run"
+    expect_said err '/dev/stdin:1:1: expected a file, found a pipe'
+    expect_no run
+}
