@@ -123,7 +123,8 @@ void lines_print_json(const struct feed *feed, int64_t now_ns, double time_s, FI
         json_array_append_new(workers, worker_json(feed_worker_at(feed, i), now_ns));
     json_t *object = json_pack("{s:o, s:o, s:o, s:o}", "time", number(time_s), "runs", runs,
                                "workers", workers, "problems", problems_json(feed, now_ns));
-    json_dumpf(object, out, JSON_COMPACT | JSON_REAL_PRECISION(6));
+    // Twelve digits: the time in seconds since 1970 has ten before its point.
+    json_dumpf(object, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
     fputc('\n', out);
     json_decref(object);
 }
