@@ -363,6 +363,7 @@ static void random_damage_is_refused_or_harmless(void **state)
                                     "  - csv: table.csv\nreplicates: 3\n";
     static const char csv[] =
         "case, response,\"vehicle.speed\"\nfirst,any,17\n\"a \"\"b\"\"\",x,3\n";
+    static const char odd[] = "\"',:[]{}\n #-=.09";
     const struct folder *folder = *state;
     GRand *random = g_rand_new_with_seed(20161);
     for (int round = 0; round < 400; round++) {
@@ -371,7 +372,7 @@ static void random_damage_is_refused_or_harmless(void **state)
         for (int i = 0; i <= round % 7; i++)
             damaged[g_rand_int_range(random, 0, (gint32)strlen(damaged))] =
                 round % 3 == 0 ? (char)g_rand_int_range(random, 1, 256)
-                               : "\"',:[]{}\n #-=.09"[g_rand_int_range(random, 0, 18)];
+                               : odd[g_rand_int_range(random, 0, sizeof odd - 1)];
         write_file(folder, "table.csv", texts[1]);
         struct sweep *sweep = NULL;
         struct error error = {0};
