@@ -1,5 +1,6 @@
 // sobox-monitor: watches runs and workers through LCM, or a run through its journal, for a terminal
-// and for browsers. It only listens.
+// and for browsers. It only listens; with a key it also asks unknown senders
+// for a proof.
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
