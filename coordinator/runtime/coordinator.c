@@ -36,6 +36,10 @@ enum {
     // workers. A search of thesis size holds some 6 MB at its end (its known bad samples).
     OPEN_MAX = 48,
     TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
+    // A signal to the whole process group (Ctrl-C, scancel, systemctl stop) may end the local
+    // workers before it reaches the coordinator, which then is interrupted and not abandoned. One
+    // process hears it some milliseconds after another; on a busy machine it may be a hundred.
+    ABANDONED_WAIT_MS = 1000,
 };
 
 _Static_assert((int)OPEN_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
@@ -65,6 +69,7 @@ struct coordinator {
     int64_t wake_ns;    // which it is set to; INT64_MAX: to none
     int64_t waiting_ns; // since when no worker is there; 0 while there is one
     bool wait_said;
+    guint abandoned;    // a timer, once all local workers have ended; 0 before
     enum status status; // why the loop ended
     struct error *error;
 };
@@ -560,6 +565,8 @@ static gboolean show_progress(gpointer user)
 static gboolean interrupted(gpointer user)
 {
     struct coordinator *coordinator = user;
+    if (coordinator->status != STATUS_OK)
+        return G_SOURCE_CONTINUE;
     error_set(coordinator->error, STATUS_INTERRUPTED,
               "interrupted; continue with 'sobox-coordinator --resume %s'",
               coordinator->run->directory);
@@ -567,15 +574,23 @@ static gboolean interrupted(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
+static gboolean give_up(gpointer user)
+{
+    struct coordinator *coordinator = user;
+    coordinator->abandoned = 0;
+    if (coordinator->status == STATUS_OK)
+        stop(coordinator, error_set(coordinator->error, STATUS_FAILED,
+                                    "all local workers have ended; continue with "
+                                    "'sobox-coordinator --resume %s'",
+                                    coordinator->run->directory));
+    return G_SOURCE_REMOVE;
+}
+
 static void child_ended(void *user, uint32_t alive)
 {
     struct coordinator *coordinator = user;
-    if (alive > 0 || coordinator->settings->open)
-        return;
-    stop(coordinator, error_set(coordinator->error, STATUS_FAILED,
-                                "all local workers have ended; continue with "
-                                "'sobox-coordinator --resume %s'",
-                                coordinator->run->directory));
+    if (alive == 0 && !coordinator->settings->open)
+        coordinator->abandoned = g_timeout_add(ABANDONED_WAIT_MS, give_up, coordinator);
 }
 
 // ---- Life ----
@@ -683,6 +698,8 @@ static void loop(struct coordinator *coordinator)
     if (!run_finished(coordinator->run))
         g_main_loop_run(coordinator->loop);
 
+    if (coordinator->abandoned != 0)
+        g_source_remove(coordinator->abandoned);
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i] != 0)
             g_source_remove(timers[i]);
