@@ -31,6 +31,8 @@ static const struct check_kind kinds[WIRE_KIND_COUNT] = {
     [WIRE_RUN_STATUS] = {"SOBOX_RUN", 2, 193, 0, 0},
     [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 98, 8, COUNT_MAX(98, 8)},
     [WIRE_HAIL] = {"SOBOX_HAIL", 2, 88, 0, 0},
+    [WIRE_DESIGN_BATCH] = {"SOBOX_DESIGNS", 0, 84, 8, COUNT_MAX(84, 8)},
+    [WIRE_VALUE_BATCH] = {"SOBOX_VALUES", 1, 72, 8, COUNT_MAX(72, 8)},
 };
 
 const struct check_kind *check_kind(enum wire_kind kind)
@@ -178,6 +180,32 @@ static bool search_status_ok(const sobox_search_status_t *m)
 static bool hail_ok(const sobox_hail_t *m)
 {
     return m->age_ns >= 0 && m->floor >= 0; // whatever the challenges, whoever is asked
+}
+
+// As many values for each design as for the next, one at least.
+static bool values_ok(int32_t count, int32_t value_count, int32_t value_max)
+{
+    return value_count >= count && value_count <= value_max && value_count % count == 0;
+}
+
+static bool design_batch_ok(const sobox_design_batch_t *m)
+{
+    if (m->holder == 0 || !NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt) ||
+        !samples_ok(m->first, m->count) ||
+        !values_ok(m->count, m->value_count, kinds[WIRE_DESIGN_BATCH].count_max))
+        return false;
+    for (int32_t i = 0; i < m->value_count; i++)
+        if (!isfinite(m->values[i]))
+            return false;
+    return true;
+}
+
+// A simulation may break down, so the values may be any.
+static bool value_batch_ok(const sobox_value_batch_t *m)
+{
+    return NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt, m->queue, m->service_ns) &&
+           samples_ok(m->first, m->count) &&
+           values_ok(m->count, m->value_count, kinds[WIRE_VALUE_BATCH].count_max);
 }
 
 bool check_fields(enum wire_kind kind, const void *message)

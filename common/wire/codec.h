@@ -1,9 +1,10 @@
-// One name for the eight generated encoders and decoders: the message's kind.
+// One name for the ten generated encoders and decoders: the message's kind.
 #ifndef SOBOX_COMMON_WIRE_CODEC_H
 #define SOBOX_COMMON_WIRE_CODEC_H
 
 #include "common/wire/wire.h"
 
+#include "sobox_design_batch_t.h"
 #include "sobox_hail_t.h"
 #include "sobox_outcome_batch_t.h"
 #include "sobox_run_status_t.h"
@@ -11,6 +12,7 @@
 #include "sobox_search_status_t.h"
 #include "sobox_text_request_t.h"
 #include "sobox_text_t.h"
+#include "sobox_value_batch_t.h"
 #include "sobox_worker_status_t.h"
 
 // Kind and type of every message; in the order of enum wire_kind.
@@ -22,7 +24,9 @@
     X(WIRE_WORKER_STATUS, worker_status) \
     X(WIRE_RUN_STATUS, run_status)       \
     X(WIRE_SEARCH_STATUS, search_status) \
-    X(WIRE_HAIL, hail)
+    X(WIRE_HAIL, hail)                   \
+    X(WIRE_DESIGN_BATCH, design_batch)   \
+    X(WIRE_VALUE_BATCH, value_batch)
 
 // A message of any kind. Every type begins with its header.
 union codec_message {

@@ -2,8 +2,8 @@
 // between processes and machines, with the same messages and the same code.
 //
 //   port         channel                                       from         to
-//   P   batches  SOBOX_BATCH SOBOX_TEXT                        coordinator  workers
-//   P+1 outcomes SOBOX_OUTCOME SOBOX_TEXT_REQUEST              workers      coordinator
+//   P   batches  SOBOX_BATCH SOBOX_DESIGNS SOBOX_TEXT          coordinator  workers
+//   P+1 outcomes SOBOX_OUTCOME SOBOX_VALUES SOBOX_TEXT_REQUEST workers      coordinator
 //   P+2 status   SOBOX_WORKER SOBOX_RUN SOBOX_SEARCH           all          all who watch
 //
 // P is the port of the URL. Three ports, because LCM 1.3.1 keeps groups apart by port only and
@@ -45,6 +45,8 @@ enum wire_kind {
     WIRE_RUN_STATUS,    // sobox_run_status_t
     WIRE_SEARCH_STATUS, // sobox_search_status_t
     WIRE_HAIL,          // sobox_hail_t; between the wires themselves, where a key is shared
+    WIRE_DESIGN_BATCH,  // sobox_design_batch_t
+    WIRE_VALUE_BATCH,   // sobox_value_batch_t
     WIRE_KIND_COUNT
 };
 
@@ -132,8 +134,8 @@ uint64_t wire_heard(const struct wire *wire);
 // deaf (publishing gives STATUS_NETWORK) until another call succeeds.
 enum status wire_reopen(struct wire *wire, struct error *error) MUST_USE;
 
-// The greatest number of payload bytes (bounds, packed verdicts, text piece) that a message of
-// `kind` can carry within the mtu.
+// The greatest number of payload bytes (bounds, packed verdicts, text piece, values) that a message
+// of `kind` can carry within the mtu.
 size_t wire_payload_max(const struct wire *wire, enum wire_kind kind);
 
 // Whether messages can leave this machine: udpm:// with ttl above 0.

@@ -247,8 +247,42 @@ static void fields_out_of_range_are_rejected(void **state)
     SEARCH(log_volume, NAN);
     SEARCH(log_volume, 1e-9);
     SEARCH(purity_lower95, -0.1);
+#define DESIGNS(field, value) REFUSED(WIRE_DESIGN_BATCH, design_batch, field, value)
+    DESIGNS(holder, 0);
+    DESIGNS(search, -1);
+    DESIGNS(first, -1);
+    DESIGNS(count, 0);
+    DESIGNS(count, -3);
+    DESIGNS(count, 4); // 6 values are not those of 4 designs
+    DESIGNS(count, 7); // nor of 7
+#define VALUES(field, value) REFUSED(WIRE_VALUE_BATCH, value_batch, field, value)
+    VALUES(attempt, -1);
+    VALUES(count, 0);
+    VALUES(count, 65537);
+    VALUES(count, 4);
+    VALUES(queue, -1);
+    VALUES(service_ns, -1);
     REFUSED(WIRE_HAIL, hail, age_ns, -1);
     REFUSED(WIRE_HAIL, hail, floor, -1);
+}
+
+// A design is a place to evaluate; what came of it is whatever the simulation made of it.
+static void designs_are_finite_and_outcomes_anything(void **state)
+{
+    (void)state;
+    static const double odd[] = {NAN, INFINITY, -INFINITY};
+    union codec_message message;
+    double values[MESSAGE_BOUND_COUNT] = {0};
+    for (size_t i = 0; i < sizeof odd / sizeof odd[0]; i++) {
+        values[MESSAGE_BOUND_COUNT - 1] = odd[i];
+        message_make(WIRE_DESIGN_BATCH, &message);
+        message.design_batch.values = values;
+        assert_field_refused(WIRE_DESIGN_BATCH, &message);
+        message_make(WIRE_VALUE_BATCH, &message);
+        message.value_batch.values = values;
+        const size_t size = packet_make(WIRE_VALUE_BATCH, &message, packet);
+        assert_int_equal(packet_check(WIRE_VALUE_BATCH, packet, size), CHECK_GOOD);
+    }
 }
 
 // Boxes that would poison a search: not finite, upside down, or with half a bound.
@@ -332,6 +366,7 @@ int main(void)
         cmocka_unit_test(other_protocol_is_foreign),
         cmocka_unit_test(opened_message_passes_the_same_checks),
         cmocka_unit_test(fields_out_of_range_are_rejected),
+        cmocka_unit_test(designs_are_finite_and_outcomes_anything),
         cmocka_unit_test(broken_bounds_are_rejected),
         cmocka_unit_test(broken_names_are_rejected),
         cmocka_unit_test(damaged_packets_are_rejected_or_whole),

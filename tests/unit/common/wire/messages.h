@@ -95,6 +95,27 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
         message->hail = (sobox_hail_t){
             .challenge = {1, 2}, .age_ns = 8, .asked = 9, .echo = {3, 4}, .floor = 7};
         break;
+    case WIRE_DESIGN_BATCH:
+        message->design_batch = (sobox_design_batch_t){.holder = 9,
+                                                       .search = 2,
+                                                       .step = 3,
+                                                       .batch = 4,
+                                                       .first = 100,
+                                                       .count = 3,
+                                                       .value_count = MESSAGE_BOUND_COUNT,
+                                                       .values = message_bounds};
+        break;
+    case WIRE_VALUE_BATCH:
+        message->value_batch = (sobox_value_batch_t){.search = 2,
+                                                     .step = 3,
+                                                     .batch = 4,
+                                                     .first = 100,
+                                                     .count = 2,
+                                                     .queue = 3,
+                                                     .service_ns = 123456789,
+                                                     .value_count = MESSAGE_BOUND_COUNT,
+                                                     .values = message_bounds};
+        break;
     case WIRE_KIND_COUNT:
         fail();
     }
