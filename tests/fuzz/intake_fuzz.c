@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { DESIGNS = 240 }; // this byte or a greater one: a record of given designs
 enum { RECORDS_MAX = 300, BOUNDS_MAX = 64, TEXT_MAX = 1024 * 1024 };
 
 enum what { BATCH, TEXT, WHOLE_TEXT, REQUEST, TAKE, DONE, LATER, WHAT_COUNT };
@@ -54,6 +55,28 @@ static void give_batch(struct world *world)
     assert(status == STATUS_OK || error.text[0] != '\0');
 }
 
+// What check.c lets through: as many values for each design, all finite.
+static void give_designs(struct world *world)
+{
+    double values[BOUNDS_MAX];
+    const uint32_t count = 1 + fuzz_byte(&world->input) % 8;
+    const uint32_t each = 1 + fuzz_byte(&world->input) % (BOUNDS_MAX / 8);
+    for (uint32_t i = 0; i < count * each; i++)
+        values[i] = fuzz_byte(&world->input);
+    const struct intake_batch batch = {
+        .run = 1,
+        .coordinator = 1,
+        .scenario = any_digest(world),
+        .batch_index = fuzz_byte(&world->input),
+        .batch = {.first = fuzz_u16(&world->input), .count = count},
+        .designs = values,
+        .design_value_count = count * each,
+    };
+    struct error error = {0};
+    enum status status = intake_batch(world->intake, &batch, world->now_ns, &error);
+    assert(status == STATUS_OK || error.text[0] != '\0');
+}
+
 static void give_text(struct world *world, const uint8_t *piece, size_t size, uint32_t offset,
                       uint32_t total)
 {
@@ -74,14 +97,26 @@ static void take(struct world *world)
         !intake_take(world->intake, work))
         return;
     world->taken_count++;
-    assert(work->scenario != NULL && work->box->count == work->scenario->design_space.count);
+    assert(work->scenario != NULL);
+    const uint32_t variables = work->scenario->design_space.count;
+    const struct intake_batch *batch = &work->identity;
+    if (work->box == NULL)
+        assert(batch->designs != NULL &&
+               batch->design_value_count == batch->batch.count * variables);
+    else
+        assert(batch->designs == NULL && work->box->count == variables);
 }
 
 static void give_record(struct world *world)
 {
     struct fuzz_input *input = &world->input;
     struct intake_request request;
-    switch (fuzz_byte(input) % WHAT_COUNT) {
+    const uint8_t what = fuzz_byte(input);
+    if (what >= DESIGNS) {
+        give_designs(world);
+        return;
+    }
+    switch (what % WHAT_COUNT) {
     case BATCH:
         give_batch(world);
         break;

@@ -121,3 +121,46 @@ uint32_t batch_evaluate(const struct scenario *scenario, const struct model *mod
     }
     return non_finite;
 }
+
+// A design stands in a row of its own, a lane of a block in a column.
+static void designs_block(const struct model *model, const double *values, uint32_t count,
+                          const struct scratch *scratch, double *outcomes)
+{
+    const uint32_t variable_count = model_variable_count(model);
+    const uint32_t outcome_count = model_outcome_count(model);
+    for (uint32_t variable = 0; variable < variable_count; variable++)
+        for (uint32_t i = 0; i < count; i++)
+            scratch->values[variable * (size_t)MODEL_BLOCK + i] =
+                values[i * (size_t)variable_count + variable];
+    model_evaluate(model, count, scratch->values, scratch->outcomes);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t outcome = 0; outcome < outcome_count; outcome++)
+            outcomes[i * (size_t)outcome_count + outcome] =
+                scratch->outcomes[outcome * (size_t)MODEL_BLOCK + i];
+}
+
+void batch_evaluate_designs(const struct model *model, const double *values, uint32_t count,
+                            int threads, double *outcomes)
+{
+    assert(count > 0);
+    assert(threads > 0);
+    const size_t variable_count = model_variable_count(model);
+    const size_t outcome_count = model_outcome_count(model);
+    const uint32_t blocks = (count - 1) / MODEL_BLOCK + 1;
+
+    // As in batch_evaluate(): the whole team or none.
+#pragma omp parallel num_threads(threads) if (threads > 1 && blocks > 1)
+    {
+        struct scratch scratch;
+        scratch_init(&scratch, model);
+#pragma omp for schedule(dynamic, 1)
+        for (uint32_t block = 0; block < blocks; block++) {
+            const size_t done = (size_t)block * MODEL_BLOCK;
+            const uint32_t left = count - (uint32_t)done;
+            designs_block(model, values + done * variable_count,
+                          left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch,
+                          outcomes + done * outcome_count);
+        }
+        scratch_fini(&scratch);
+    }
+}

@@ -1,6 +1,6 @@
 // The unit of work: samples first .. first + count - 1 of one step of one search. Evaluating a
 // batch is a pure function of scenario, box and these numbers: any worker, any thread count, the
-// same bits.
+// same bits. So is evaluating designs that somebody made elsewhere.
 #ifndef SOBOX_WORKER_BATCH_BATCH_H
 #define SOBOX_WORKER_BATCH_BATCH_H
 
@@ -21,6 +21,13 @@ struct batch {
 uint32_t batch_evaluate(const struct scenario *scenario, const struct model *model,
                         const struct box *box, const struct batch *batch, int threads,
                         struct verdict *verdicts);
+
+// The outcomes of given designs, on `threads` (1 ..) OpenMP threads: values[design * variables +
+// variable] are those of `count` (1 ..) designs, outcomes[design * outcomes + outcome] receives all
+// that the model has. A design gives the same bits wherever it stands, among whatever others, and
+// the same as by sampling.
+void batch_evaluate_designs(const struct model *model, const double *values, uint32_t count,
+                            int threads, double *outcomes);
 
 // The verdict on one design from its outcomes (outcomes[outcome * stride], all that the scenario's
 // model has): good, or the constraint it violates most, the first of equals. A design with any

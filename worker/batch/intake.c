@@ -4,14 +4,16 @@
 
 #include <assert.h>
 #include <glib.h>
+#include <math.h>
 
 // A batch between its arrival and intake_done().
 struct queued {
     struct intake_batch batch; // bounds NULL
     uint64_t arrival;          // 0, 1, 2, ...
     struct item *scenario;
-    struct item *box;
-    GList link; // in one of the intake's lists while it is not taken
+    struct item *box; // NULL where the batch brings its designs
+    double *designs;  // its own copy of them; NULL where there is a box
+    GList link;       // in one of the intake's lists while it is not taken
     bool taken;
 };
 
@@ -21,6 +23,7 @@ struct intake {
     GQueue waiting;      // for a text, in the order of arrival
     GQueue ready;        // to be evaluated, in the order of arrival
     uint64_t arrivals;
+    size_t design_size; // of all batches [bytes]
 };
 
 // FNV-1a over the words that name a batch.
@@ -44,7 +47,15 @@ static gboolean identity_same(gconstpointer left, gconstpointer right)
            a->batch.sampling.search == b->batch.sampling.search &&
            a->batch.sampling.step == b->batch.sampling.step && a->batch_index == b->batch_index &&
            a->batch.first == b->batch.first && a->batch.count == b->batch.count &&
+           (a->designs == NULL) == (b->designs == NULL) &&
            digest_equal(&a->scenario, &b->scenario) && digest_equal(&a->box, &b->box);
+}
+
+static void queued_free(gpointer data)
+{
+    struct queued *queued = data;
+    g_free(queued->designs);
+    g_free(queued);
 }
 
 struct intake *intake_create(void)
@@ -53,7 +64,7 @@ struct intake *intake_create(void)
                    "each queued batch may hold a box of its own: keep at least as many");
     struct intake *intake = g_new0(struct intake, 1);
     store_init(&intake->store, INTAKE_SCENARIO_MAX, INTAKE_BOX_MAX);
-    intake->batches = g_hash_table_new_full(identity_hash, identity_same, NULL, g_free);
+    intake->batches = g_hash_table_new_full(identity_hash, identity_same, queued_free, NULL);
     g_queue_init(&intake->waiting);
     g_queue_init(&intake->ready);
     return intake;
@@ -72,13 +83,22 @@ void intake_free(struct intake *intake)
 static void queued_forget(struct intake *intake, struct queued *queued)
 {
     store_release(&intake->store, queued->scenario);
-    store_release(&intake->store, queued->box);
+    if (queued->box != NULL)
+        store_release(&intake->store, queued->box);
+    intake->design_size -= queued->batch.design_value_count * sizeof(double);
     g_hash_table_remove(intake->batches, queued);
 }
 
 static enum status queued_check(const struct queued *queued, struct error *error)
 {
     uint32_t wanted = queued->scenario->scenario.design_space.count;
+    if (queued->box == NULL) {
+        const uint32_t each = queued->batch.design_value_count / queued->batch.batch.count;
+        if (each != wanted)
+            return error_set(error, STATUS_INVALID, "designs of %u variables, the scenario has %u",
+                             each, wanted);
+        return STATUS_OK;
+    }
     uint32_t found = queued->box->box.count;
     if (found != wanted)
         return error_set(error, STATUS_INVALID, "a box of %u variables, the scenario has %u", found,
@@ -98,10 +118,15 @@ static void queued_ready(struct intake *intake, struct queued *queued)
         g_queue_insert_after_link(&intake->ready, before, &queued->link);
 }
 
+static bool queued_complete(const struct queued *queued)
+{
+    return queued->scenario->ready && (queued->box == NULL || queued->box->ready);
+}
+
 // Moves a batch that is in no list to where it belongs now, or forgets it.
 static enum status queued_place(struct intake *intake, struct queued *queued, struct error *error)
 {
-    if (!queued->scenario->ready || !queued->box->ready) {
+    if (!queued_complete(queued)) {
         g_queue_push_tail_link(&intake->waiting, &queued->link);
         return STATUS_OK;
     }
@@ -122,8 +147,7 @@ static enum status waiting_place(struct intake *intake, const struct item *item,
     for (GList *link = intake->waiting.head; link != NULL; link = next) {
         struct queued *queued = link->data;
         next = link->next;
-        if ((queued->scenario != item && queued->box != item) || !queued->scenario->ready ||
-            !queued->box->ready)
+        if ((queued->scenario != item && queued->box != item) || !queued_complete(queued))
             continue;
         g_queue_unlink(&intake->waiting, link);
         if (queued_place(intake, queued, error) != STATUS_OK)
@@ -154,21 +178,44 @@ static struct queued *queued_create(struct intake *intake, const struct intake_b
         store_acquire(&intake->store, ITEM_SCENARIO, &batch->scenario, batch->run, now_ns);
     if (scenario == NULL)
         return NULL;
-    struct item *box = store_acquire(&intake->store, ITEM_BOX, &batch->box, batch->run, now_ns);
-    if (box == NULL) {
-        store_release(&intake->store, scenario);
-        return NULL;
+    struct item *box = NULL;
+    if (batch->designs == NULL) {
+        box = store_acquire(&intake->store, ITEM_BOX, &batch->box, batch->run, now_ns);
+        if (box == NULL) {
+            store_release(&intake->store, scenario);
+            return NULL;
+        }
     }
     struct queued *queued = g_new0(struct queued, 1);
     queued->batch = *batch;
     queued->batch.bounds = NULL;
     queued->batch.bound_count = 0;
+    const size_t design_size = batch->design_value_count * sizeof(double);
+    queued->designs = batch->designs != NULL ? g_memdup2(batch->designs, design_size) : NULL;
+    queued->batch.designs = queued->designs;
+    intake->design_size += design_size;
     queued->arrival = intake->arrivals++;
     queued->scenario = scenario;
     queued->box = box;
     queued->link.data = queued;
     g_hash_table_add(intake->batches, queued);
     return queued;
+}
+
+static enum status designs_check(const struct intake *intake, const struct intake_batch *batch,
+                                 struct error *error)
+{
+    const uint32_t count = batch->design_value_count;
+    if (count == 0 || count % batch->batch.count != 0)
+        return error_set(error, STATUS_INVALID, "%u values are not those of %u designs", count,
+                         batch->batch.count);
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(batch->designs[i]))
+            return error_set(error, STATUS_INVALID, "a design has a value that is not finite");
+    if (intake->design_size + count * sizeof(double) > INTAKE_DESIGN_SIZE_MAX)
+        return error_set(error, STATUS_REFUSED, "%zu MiB of designs wait already",
+                         intake->design_size >> 20);
+    return STATUS_OK;
 }
 
 enum status intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns,
@@ -182,12 +229,17 @@ enum status intake_batch(struct intake *intake, const struct intake_batch *batch
     }
     if (g_hash_table_size(intake->batches) >= INTAKE_QUEUE_MAX)
         return error_set(error, STATUS_REFUSED, "%d batches wait already", INTAKE_QUEUE_MAX);
+    if (batch->designs != NULL) {
+        const enum status checked = designs_check(intake, batch, error);
+        if (checked != STATUS_OK)
+            return checked;
+    }
     queued = queued_create(intake, batch, now_ns);
     if (queued == NULL)
         return error_set(error, STATUS_REFUSED, "%d scenarios are in use already",
                          INTAKE_SCENARIO_MAX);
     struct item *box = queued->box;
-    if (batch->bound_count == 0 || box->ready)
+    if (box == NULL || batch->bound_count == 0 || box->ready)
         return queued_place(intake, queued, error);
     enum status status =
         store_finish_box(&intake->store, box, batch->bounds, batch->bound_count, error);
@@ -295,7 +347,7 @@ bool intake_take(struct intake *intake, struct intake_work *work)
         .identity = queued->batch,
         .scenario = &queued->scenario->scenario,
         .model = queued->scenario->model,
-        .box = &queued->box->box,
+        .box = queued->box != NULL ? &queued->box->box : NULL,
     };
     return true;
 }

@@ -5,6 +5,8 @@
 //   batch heard -> known scenario and box?  yes -> queued -> taken -> outcome sent
 //                                           no  -> text requested -> text complete -> queued
 //
+// A batch of given designs brings them along and needs no box.
+//
 // The queue is bounded: a batch that finds it full is dropped, and its lease lapses. So is the
 // number of texts kept: the one unused for longest goes first. A text that nobody sends, however
 // often it is asked for, is given up with the batches that wait for it: their coordinator is gone.
@@ -28,7 +30,9 @@ enum {
     INTAKE_QUEUE_MAX = 1024,  // batches waiting or taken; thousands would only grow stale
     INTAKE_SCENARIO_MAX = 64, // scenarios kept, prepared or asked for
     INTAKE_BOX_MAX = 1024,    // boxes kept or asked for; not less than the queue is long
-    INTAKE_ASK_MAX = 12,      // requests without an answer, then a text is given up: about 9 s
+    // Of designs that wait or are taken [bytes]: hundreds of batches of the greatest messages.
+    INTAKE_DESIGN_SIZE_MAX = 32 << 20,
+    INTAKE_ASK_MAX = 12, // requests without an answer, then a text is given up: about 9 s
 };
 
 // A text is asked for again after the first interval, then after twice as long each time.
@@ -47,14 +51,18 @@ struct intake_batch {
     enum verdict_detail detail;
     const double *bounds; // (bound_count) lower then upper; borrowed
     uint32_t bound_count; // 0: the box comes by request
+    // Of a batch of given designs: batch.count x variables. It has no box, no bounds, no sampling
+    // but search and step, and no detail. NULL: the batch is one of samples. Borrowed.
+    const double *designs;
+    uint32_t design_value_count;
 };
 
-// A batch ready to be evaluated. Pointers are borrowed until intake_done().
+// A batch ready to be evaluated. Pointers, also those to designs, are borrowed until intake_done().
 struct intake_work {
     struct intake_batch identity; // bounds NULL
     const struct scenario *scenario;
     const struct model *model;
-    const struct box *box;
+    const struct box *box; // NULL: identity.designs are to be evaluated
 };
 
 // A request for a text, to be published now.
@@ -71,8 +79,9 @@ void intake_free(struct intake *intake);
 // and samples) is not queued twice; the number of its last attempt goes into the outcome.
 // Returns STATUS_OK also when it is not queued for that reason.
 // Errors: STATUS_REFUSED (dropped for want of room: the queue is full, or as many scenarios as may
-// be kept are in use), STATUS_INVALID (dropped: its bounds are not those of `box`, not finite,
-// upside down, or not one interval for each variable of the scenario).
+// be kept are in use, or too many designs wait), STATUS_INVALID (dropped: its bounds are not those
+// of `box`, not finite, upside down, or not one interval for each variable of the scenario; its
+// designs are not finite or have another number of values).
 enum status intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns,
                          struct error *error) MUST_USE;
 

@@ -32,6 +32,7 @@ void engine_job_free(struct engine_job *job)
     if (job == NULL)
         return;
     g_free(job->packed);
+    g_free(job->outcomes);
     g_free(job);
 }
 
@@ -69,15 +70,32 @@ static void give_result(struct engine *engine, struct engine_job *job)
         eventfd_write(engine->descriptor, 1);
 }
 
-static void evaluate(struct engine_job *job, int threads, struct verdict *verdicts)
+static void evaluate_samples(struct engine_job *job, int threads, struct verdict *verdicts)
 {
     const struct intake_work *work = &job->work;
     const struct batch *batch = &work->identity.batch;
-    int64_t start_ns = clock_monotonic_ns();
     job->non_finite =
         batch_evaluate(work->scenario, work->model, work->box, batch, threads, verdicts);
     job->packed = g_malloc(verdict_packed_size_max(batch->count, work->identity.detail));
     job->packed_size = verdict_pack(verdicts, batch->count, work->identity.detail, job->packed);
+}
+
+static void evaluate_designs(struct engine_job *job, int threads)
+{
+    const struct intake_work *work = &job->work;
+    const uint32_t count = work->identity.batch.count;
+    job->outcome_count = (size_t)count * model_outcome_count(work->model);
+    job->outcomes = g_new(double, job->outcome_count);
+    batch_evaluate_designs(work->model, work->identity.designs, count, threads, job->outcomes);
+}
+
+static void evaluate(struct engine_job *job, int threads, struct verdict *verdicts)
+{
+    const int64_t start_ns = clock_monotonic_ns();
+    if (job->work.identity.designs != NULL)
+        evaluate_designs(job, threads);
+    else
+        evaluate_samples(job, threads, verdicts);
     job->service_ns = clock_monotonic_ns() - start_ns;
 }
 

@@ -5,6 +5,8 @@
 //     message thread                  computing thread (niced)
 //     engine_submit() --> jobs ----> batch_evaluate() + verdict_pack()
 //     engine_collect() <- results <------+      an eventfd wakes the main loop
+//
+// A job of given designs goes the same way; its result is the outcomes themselves.
 #ifndef SOBOX_WORKER_RUNTIME_ENGINE_H
 #define SOBOX_WORKER_RUNTIME_ENGINE_H
 
@@ -22,6 +24,9 @@ struct engine_job {
     int64_t service_ns;  // the evaluation took
     uint8_t *packed;     // the verdicts, as verdict_pack() writes them; owned
     size_t packed_size;  // [bytes]
+    // Instead of verdicts, of a batch of given designs:
+    double *outcomes;     // (outcome_count) design by design; owned
+    size_t outcome_count; // designs x outcomes of the model
 };
 
 struct engine;

@@ -3,11 +3,13 @@
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/wire/source.h"
+#include "sobox_design_batch_t.h"
 #include "sobox_outcome_batch_t.h"
 #include "sobox_run_status_t.h"
 #include "sobox_sample_batch_t.h"
 #include "sobox_text_request_t.h"
 #include "sobox_text_t.h"
+#include "sobox_value_batch_t.h"
 #include "sobox_worker_status_t.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/batch/intake.h"
@@ -198,6 +200,38 @@ static gboolean wake_up(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
+static void note_unsent(struct worker *worker, enum wire_kind kind, size_t size)
+{
+    if (!worth_a_note(++worker->unsent))
+        return;
+    if (size > wire_payload_max(worker->wire, kind))
+        log_note("an outcome of %zu bytes does not fit a message: give this worker the "
+                 "coordinator's --mtu",
+                 size);
+    else
+        log_note("the network did not take an outcome (%" PRIu64 " so far)", worker->unsent);
+}
+
+static void publish_values(struct worker *worker, const struct engine_job *job)
+{
+    const struct intake_batch *identity = &job->work.identity;
+    sobox_value_batch_t message = {
+        .header.run = (int64_t)identity->run,
+        .search = (int32_t)identity->batch.sampling.search,
+        .step = (int32_t)identity->batch.sampling.step,
+        .batch = (int32_t)identity->batch_index,
+        .attempt = (int32_t)identity->attempt,
+        .first = (int32_t)identity->batch.first,
+        .count = (int32_t)identity->batch.count,
+        .queue = (int32_t)intake_queue(worker->intake),
+        .service_ns = job->service_ns,
+        .value_count = (int32_t)job->outcome_count,
+        .values = job->outcomes,
+    };
+    if (wire_publish(worker->wire, WIRE_VALUE_BATCH, &message) != STATUS_OK)
+        note_unsent(worker, WIRE_VALUE_BATCH, job->outcome_count * sizeof(double));
+}
+
 static void publish_outcome(struct worker *worker, const struct engine_job *job)
 {
     const struct intake_batch *identity = &job->work.identity;
@@ -216,15 +250,8 @@ static void publish_outcome(struct worker *worker, const struct engine_job *job)
         .packed_size = (int32_t)job->packed_size,
         .packed = job->packed,
     };
-    enum status status = wire_publish(worker->wire, WIRE_OUTCOME_BATCH, &message);
-    if (status == STATUS_OK || !worth_a_note(++worker->unsent))
-        return;
-    if (job->packed_size > wire_payload_max(worker->wire, WIRE_OUTCOME_BATCH))
-        log_note("an outcome of %zu bytes does not fit a message: give this worker the "
-                 "coordinator's --mtu",
-                 job->packed_size);
-    else
-        log_note("the network did not take an outcome (%" PRIu64 " so far)", worker->unsent);
+    if (wire_publish(worker->wire, WIRE_OUTCOME_BATCH, &message) != STATUS_OK)
+        note_unsent(worker, WIRE_OUTCOME_BATCH, job->packed_size);
 }
 
 static void collect_results(struct worker *worker)
@@ -235,7 +262,10 @@ static void collect_results(struct worker *worker)
         worker->samples += job->work.identity.batch.count;
         worker->busy_ns += job->service_ns;
         intake_done(worker->intake, &job->work);
-        publish_outcome(worker, job);
+        if (job->outcomes != NULL)
+            publish_values(worker, job);
+        else
+            publish_outcome(worker, job);
         engine_job_free(job);
     }
 }
@@ -257,6 +287,17 @@ static void note_dropped(struct worker *worker, const struct error *error)
     worker->dropped++;
     if (worth_a_note(worker->dropped))
         log_note("a batch was dropped (%" PRIu64 " so far): %s", worker->dropped, error->text);
+}
+
+// Takes in a batch leased to this worker. Its coordinator knows it, so it needs no greeting.
+static void take_batch(struct worker *worker, const struct intake_batch *batch)
+{
+    struct error error = {0};
+    int64_t now_ns = clock_monotonic_ns();
+    presence_coordinator(&worker->presence, batch->coordinator, now_ns);
+    if (intake_batch(worker->intake, batch, now_ns, &error) != STATUS_OK)
+        note_dropped(worker, &error);
+    serve_intake(worker, now_ns);
 }
 
 static void on_sample_batch(void *user, enum wire_kind kind, const void *received)
@@ -290,13 +331,36 @@ static void on_sample_batch(void *user, enum wire_kind kind, const void *receive
     };
     memcpy(batch.scenario.bytes, message->scenario, sizeof batch.scenario.bytes);
     memcpy(batch.box.bytes, message->box, sizeof batch.box.bytes);
-    struct error error = {0};
-    int64_t now_ns = clock_monotonic_ns();
-    // It knows this worker, so it needs no greeting.
-    presence_coordinator(&worker->presence, batch.coordinator, now_ns);
-    if (intake_batch(worker->intake, &batch, now_ns, &error) != STATUS_OK)
-        note_dropped(worker, &error);
-    serve_intake(worker, now_ns);
+    take_batch(worker, &batch);
+}
+
+static void on_design_batch(void *user, enum wire_kind kind, const void *received)
+{
+    (void)kind;
+    struct worker *worker = user;
+    const sobox_design_batch_t *message = received;
+    if ((uint64_t)message->holder != worker->sender)
+        return;
+    struct intake_batch batch = {
+        .run = (uint64_t)message->header.run,
+        .coordinator = (uint64_t)message->header.sender,
+        .batch =
+            {
+                .sampling =
+                    {
+                        .search = (uint32_t)message->search,
+                        .step = (uint32_t)message->step,
+                    },
+                .first = (uint32_t)message->first,
+                .count = (uint32_t)message->count,
+            },
+        .batch_index = (uint32_t)message->batch,
+        .attempt = (uint32_t)message->attempt,
+        .designs = message->values,
+        .design_value_count = (uint32_t)message->value_count,
+    };
+    memcpy(batch.scenario.bytes, message->scenario, sizeof batch.scenario.bytes);
+    take_batch(worker, &batch);
 }
 
 static void on_text(void *user, enum wire_kind kind, const void *received)
@@ -355,6 +419,7 @@ static const struct {
     wire_handler *handler;
 } heard[] = {
     {WIRE_SAMPLE_BATCH, on_sample_batch},
+    {WIRE_DESIGN_BATCH, on_design_batch},
     {WIRE_TEXT, on_text},
     {WIRE_RUN_STATUS, on_run_status},
     // Last, because only a worker that listens for itself subscribes to it. Inside a coordinator

@@ -214,6 +214,43 @@ static void verdicts_are_those_of_each_sample(void **state)
     free(outcome);
 }
 
+// Given designs have the outcomes that the model gives each of them alone, over any threads and
+// wherever one stands: no outcome may slip into a neighbour's row.
+static void given_designs_have_the_outcomes_of_each(void **state)
+{
+    (void)state;
+    enum { COUNT = 3 * MODEL_BLOCK + 5 };
+    const uint32_t variables = model_variable_count(model), outcomes = model_outcome_count(model);
+    double *values = calloc((size_t)COUNT * variables, sizeof *values);
+    double *found[2];
+    for (int i = 0; i < 2; i++)
+        found[i] = calloc((size_t)COUNT * outcomes, sizeof *found[i]);
+    const struct box *space = &scenario.design_space;
+    for (uint32_t i = 0; i < COUNT; i++)
+        for (uint32_t v = 0; v < variables; v++)
+            values[i * variables + v] = space->lower[v] + (space->upper[v] - space->lower[v]) *
+                                                              (i * 7 + v * 3) / (9 * COUNT);
+    batch_evaluate_designs(model, values, COUNT, 1, found[0]);
+    batch_evaluate_designs(model, values, COUNT, 3, found[1]);
+    assert_memory_equal(found[0], found[1], (size_t)COUNT * outcomes * sizeof(double));
+
+    double *column = aligned_alloc(64, variables * MODEL_BLOCK * sizeof *column);
+    double *outcome = aligned_alloc(64, outcomes * MODEL_BLOCK * sizeof *outcome);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        for (uint32_t v = 0; v < variables; v++)
+            column[v * MODEL_BLOCK] = values[i * variables + v];
+        model_evaluate(model, 1, column, outcome);
+        for (uint32_t o = 0; o < outcomes; o++)
+            assert_memory_equal(&found[0][i * outcomes + o], &outcome[o * MODEL_BLOCK],
+                                sizeof(double));
+    }
+    free(column);
+    free(outcome);
+    free(values);
+    free(found[0]);
+    free(found[1]);
+}
+
 // Two workers of one version must come to the same fingerprint, or none would be accepted.
 static void fingerprint_is_the_same_each_time(void **state)
 {
@@ -271,6 +308,7 @@ int main(void)
         cmocka_unit_test(thread_count_does_not_matter),
         cmocka_unit_test(pieces_of_a_step_make_the_whole),
         cmocka_unit_test(verdicts_are_those_of_each_sample),
+        cmocka_unit_test(given_designs_have_the_outcomes_of_each),
         cmocka_unit_test(fingerprint_is_the_same_each_time),
         cmocka_unit_test(cases_are_good_only_together),
     };

@@ -97,6 +97,15 @@ static struct intake_batch batch_with_bounds(uint32_t index)
     return batch;
 }
 
+static struct intake_batch designs_of(uint32_t index, const double *designs, uint32_t value_count)
+{
+    struct intake_batch batch = batch_of(index);
+    batch.batch.count = 2;
+    batch.designs = designs;
+    batch.design_value_count = value_count;
+    return batch;
+}
+
 static void assert_taken_in(struct intake *intake, struct intake_batch batch)
 {
     struct error error = {0};
@@ -180,6 +189,60 @@ static void batch_becomes_ready_with_its_texts(void **state)
     assert_takes(intake, 0);
     assert_int_equal(intake_queue(intake), 0);
     assert_takes_nothing(intake);
+}
+
+// A batch of given designs needs its scenario only, and hands its designs on as they came, though
+// the message they came in is long gone.
+static void given_designs_wait_for_the_scenario_alone(void **state)
+{
+    struct intake *intake = *state;
+    double designs[2 * BOUND_COUNT / 2] = {1, 2, 3, 4, 5, 6, 7, 8};
+    struct intake_batch batch = designs_of(0, designs, 8);
+    assert_taken_in(intake, batch);
+    assert_taken_in(intake, batch); // once more
+    assert_int_equal(intake_queue(intake), 1);
+    memset(designs, 0, sizeof designs);
+    assert_asks(intake, 0, &scenario, 0);
+    assert_asks_nothing(intake, 0);
+    assert_fed(intake, &scenario);
+    struct intake_work work;
+    assert_true(intake_take(intake, &work));
+    assert_null(work.box);
+    assert_int_equal(work.identity.design_value_count, 8);
+    for (int i = 0; i < 8; i++)
+        assert_true(work.identity.designs[i] == i + 1);
+    intake_done(intake, &work);
+    assert_int_equal(intake_queue(intake), 0);
+}
+
+// Anyone on the network can send designs that fit no scenario, or are no numbers.
+static void designs_that_do_not_fit_are_refused(void **state)
+{
+    struct intake *intake = *state;
+    const double designs[] = {1, 2, 3, 4, 5, NAN};
+    assert_refused(intake, designs_of(0, designs, 0), STATUS_INVALID);
+    assert_refused(intake, designs_of(0, designs, 5), STATUS_INVALID);
+    assert_refused(intake, designs_of(0, designs, 6), STATUS_INVALID); // the last is no number
+    assert_taken_in(intake, designs_of(1, designs, 4)); // two variables each, the scenario has four
+    assert_int_equal(feed(intake, &scenario, 0, scenario.size, 0), STATUS_INVALID);
+    assert_int_equal(intake_queue(intake), 0);
+    assert_takes_nothing(intake);
+}
+
+// A coordinator that sends without end must not fill the worker's memory: what is beyond the bound
+// is refused, and its lease brings it back when there is room.
+static void designs_beyond_the_room_are_refused(void **state)
+{
+    struct intake *intake = *state;
+    enum { VALUES = 1 << 20, FIT = INTAKE_DESIGN_SIZE_MAX / (VALUES * 8) };
+    double *designs = g_new0(double, VALUES);
+    for (uint32_t i = 0; i < FIT; i++)
+        assert_taken_in(intake, designs_of(i, designs, VALUES));
+    assert_refused(intake, designs_of(FIT, designs, VALUES), STATUS_REFUSED);
+    // They do not fit the scenario, so they go.
+    assert_int_equal(feed(intake, &scenario, 0, scenario.size, 0), STATUS_INVALID);
+    assert_taken_in(intake, designs_of(FIT, designs, 8));
+    g_free(designs);
 }
 
 // What was fetched for one batch serves the next ones without a word on the network.
@@ -488,6 +551,9 @@ int main(void)
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(batch_becomes_ready_with_its_texts),
+        TEST(given_designs_wait_for_the_scenario_alone),
+        TEST(designs_that_do_not_fit_are_refused),
+        TEST(designs_beyond_the_room_are_refused),
         TEST(texts_are_kept_for_later_batches),
         TEST(bounds_of_a_batch_serve_others),
         TEST(oldest_ready_batch_is_taken_first),
