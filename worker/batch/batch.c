@@ -5,28 +5,27 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-// One thread's room for a block: values, then outcomes, each a row of MODEL_BLOCK lanes.
-struct scratch {
-    double *values;   // (variables x MODEL_BLOCK)
-    double *outcomes; // (outcomes x MODEL_BLOCK)
-};
-
 enum { SCRATCH_ALIGNMENT = 64 }; // [bytes] a cache line, and a whole vector of AVX-512
 
-static void scratch_init(struct scratch *scratch, const struct model *model)
+// Makes room for a block of the model.
+static void scratch_fit(struct batch_scratch *scratch, const struct model *model)
 {
-    size_t values = (size_t)model_variable_count(model) * MODEL_BLOCK;
-    size_t outcomes = (size_t)model_outcome_count(model) * MODEL_BLOCK;
-    scratch->values =
-        aligned_alloc(SCRATCH_ALIGNMENT, (values + outcomes) * sizeof *scratch->values);
-    if (scratch->values == NULL)
-        abort();
+    const size_t values = (size_t)model_variable_count(model) * MODEL_BLOCK;
+    const size_t outcomes = (size_t)model_outcome_count(model) * MODEL_BLOCK;
+    if (values + outcomes > scratch->room) {
+        free(scratch->values);
+        scratch->room = values + outcomes;
+        scratch->values = aligned_alloc(SCRATCH_ALIGNMENT, scratch->room * sizeof *scratch->values);
+        if (scratch->values == NULL)
+            abort();
+    }
     scratch->outcomes = scratch->values + values;
 }
 
-static void scratch_fini(struct scratch *scratch)
+void batch_scratch_fini(struct batch_scratch *scratch)
 {
     free(scratch->values);
+    *scratch = (struct batch_scratch){0};
 }
 
 // How far a value lies outside the constraint, in the constraint's own scale; not above 0 inside.
@@ -80,7 +79,7 @@ struct verdict batch_verdict(const struct scenario *scenario, const double *outc
 // Samples first .. first + count - 1 of the step; returns how many had a non-finite outcome.
 static uint32_t evaluate_block(const struct scenario *scenario, const struct model *model,
                                const struct box *box, const struct sampling *sampling,
-                               uint32_t first, uint32_t count, const struct scratch *scratch,
+                               uint32_t first, uint32_t count, const struct batch_scratch *scratch,
                                struct verdict *verdicts)
 {
     sampling_fill(sampling, box, first, count, scratch->values, MODEL_BLOCK);
@@ -89,6 +88,24 @@ static uint32_t evaluate_block(const struct scenario *scenario, const struct mod
     for (uint32_t i = 0; i < count; i++) {
         verdicts[i] = batch_verdict(scenario, scratch->outcomes + i, MODEL_BLOCK);
         non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
+    }
+    return non_finite;
+}
+
+uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model *model,
+                             const struct box *box, const struct batch *batch, uint32_t begin,
+                             uint32_t count, struct batch_scratch *scratch,
+                             struct verdict *verdicts)
+{
+    assert(count > 0);
+    assert(begin <= batch->count && count <= batch->count - begin);
+    scratch_fit(scratch, model);
+    uint32_t non_finite = 0;
+    for (uint32_t done = 0; done < count; done += MODEL_BLOCK) {
+        const uint32_t left = count - done;
+        non_finite += evaluate_block(
+            scenario, model, box, &batch->sampling, batch->first + begin + done,
+            left < MODEL_BLOCK ? left : MODEL_BLOCK, scratch, verdicts + begin + done);
     }
     return non_finite;
 }
@@ -107,24 +124,23 @@ uint32_t batch_evaluate(const struct scenario *scenario, const struct model *mod
     // smaller team leaves over and starts them again for the next, which costs more than a block.
 #pragma omp parallel num_threads(threads) if (threads > 1 && blocks > 1)
     {
-        struct scratch scratch;
-        scratch_init(&scratch, model);
+        struct batch_scratch scratch = {0};
 #pragma omp for schedule(dynamic, 1) reduction(+ : non_finite)
         for (uint32_t block = 0; block < blocks; block++) {
-            uint32_t done = block * MODEL_BLOCK;
-            uint32_t left = batch->count - done;
+            uint32_t begin = block * MODEL_BLOCK;
+            uint32_t left = batch->count - begin;
             non_finite +=
-                evaluate_block(scenario, model, box, &batch->sampling, batch->first + done,
-                               left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch, verdicts + done);
+                batch_evaluate_part(scenario, model, box, batch, begin,
+                                    left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch, verdicts);
         }
-        scratch_fini(&scratch);
+        batch_scratch_fini(&scratch);
     }
     return non_finite;
 }
 
 // A design stands in a row of its own, a lane of a block in a column.
 static void designs_block(const struct model *model, const double *values, uint32_t count,
-                          const struct scratch *scratch, double *outcomes)
+                          const struct batch_scratch *scratch, double *outcomes)
 {
     const uint32_t variable_count = model_variable_count(model);
     const uint32_t outcome_count = model_outcome_count(model);
@@ -151,8 +167,8 @@ void batch_evaluate_designs(const struct model *model, const double *values, uin
     // As in batch_evaluate(): the whole team or none.
 #pragma omp parallel num_threads(threads) if (threads > 1 && blocks > 1)
     {
-        struct scratch scratch;
-        scratch_init(&scratch, model);
+        struct batch_scratch scratch = {0};
+        scratch_fit(&scratch, model);
 #pragma omp for schedule(dynamic, 1)
         for (uint32_t block = 0; block < blocks; block++) {
             const size_t done = (size_t)block * MODEL_BLOCK;
@@ -161,6 +177,6 @@ void batch_evaluate_designs(const struct model *model, const double *values, uin
                           left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch,
                           outcomes + done * outcome_count);
         }
-        scratch_fini(&scratch);
+        batch_scratch_fini(&scratch);
     }
 }

@@ -14,6 +14,25 @@ struct batch {
     uint32_t count;
 };
 
+// Room in which one thread computes, for models of any size one after the other. A zeroed struct is
+// one that has none yet.
+struct batch_scratch {
+    double *values;   // (variables x MODEL_BLOCK) rows of lanes, then
+    double *outcomes; // (outcomes x MODEL_BLOCK)
+    size_t room;      // of both [doubles]
+};
+
+void batch_scratch_fini(struct batch_scratch *scratch);
+
+// Evaluates samples begin .. begin + count - 1 of the batch (counted from its own first one), count
+// above 0, in the thread that owns `scratch`: the parts of a batch may be evaluated in any order,
+// by any threads, in parts of any size, and give the same bits. `verdicts` is that of the whole
+// batch. Returns how many of the part had a non-finite outcome.
+uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model *model,
+                             const struct box *box, const struct batch *batch, uint32_t begin,
+                             uint32_t count, struct batch_scratch *scratch,
+                             struct verdict *verdicts);
+
 // Samples the box, runs the model and holds the outcomes against the scenario's constraints, on
 // `threads` (1 ..) OpenMP threads. `model` was made from `scenario`, `box` has its variables,
 // batch->count > 0. Fills `verdicts` (batch->count).

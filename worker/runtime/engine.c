@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <glib.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <string.h>
@@ -12,56 +13,121 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+enum {
+    // Samples are claimed in whole vectors: the model takes as long for one as for eight.
+    CLAIM_LANES = 8,
+    // What a claim should be worth [ns], if so much waits: the lock that all threads share is then
+    // taken by 64 of them every microsecond, and is held for a twentieth of that.
+    CLAIM_WORTH_NS = 64000,
+    // What it must be worth: to wake another thread takes some 5 us.
+    CLAIM_LEAST_NS = 5000,
+};
+
 // POSIX locks and not GLib's, because the thread sanitizer knows only the former.
 struct engine {
-    pthread_t thread;
+    pthread_t thread; // the team's first
     bool running;
     int threads;
     int priority;
     int descriptor; // eventfd: results wait
 
-    pthread_mutex_t lock; // guards what follows
-    pthread_cond_t work;  // jobs wait, or the thread shall end
-    GQueue jobs;
+    pthread_mutex_t lock; // guards what follows, and what jobs say of their progress
+    pthread_cond_t work;  // samples wait, or the threads shall end
+    GQueue jobs;          // with samples that nobody has claimed
     GQueue results;
+    uint64_t waiting;  // samples of `jobs` that nobody has claimed
+    double sample_ns;  // what a sample took a thread lately; 0: not known yet
+    uint32_t sleeping; // threads that wait for work
     bool ending;
+};
+
+// A part of a job, in the hands of one thread.
+struct claim {
+    struct engine_job *job; // NULL: nothing is
+    uint32_t begin;
+    uint32_t count;
+    uint32_t non_finite;
+    int64_t busy_ns;
 };
 
 void engine_job_free(struct engine_job *job)
 {
     if (job == NULL)
         return;
+    g_free(job->verdicts);
     g_free(job->packed);
     g_free(job->outcomes);
     g_free(job);
 }
 
-// ---- The computing thread ----
+// ---- The computing threads ----
 
-// The OpenMP threads are started by this one and inherit its priority. A worker that may not lower
-// it works all the same.
+// A thread that may not lower its priority works all the same.
 static void lower_priority(int priority)
 {
-    id_t self = (id_t)gettid();
-    int now = getpriority(PRIO_PROCESS, self);
-    setpriority(PRIO_PROCESS, self, now + priority);
+    const id_t self = (id_t)gettid();
+    setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + priority);
 }
 
-static struct engine_job *wait_for_job(struct engine *engine)
+// How many samples of `left` a thread takes: its part of all that waits, that all may have one, but
+// neither more nor less than is worth a claim.
+static uint32_t claim_count(const struct engine *engine, uint32_t left)
 {
-    struct engine_job *job = NULL;
-    pthread_mutex_lock(&engine->lock);
-    while (!engine->ending && g_queue_is_empty(&engine->jobs))
-        pthread_cond_wait(&engine->work, &engine->lock);
-    if (!engine->ending)
-        job = g_queue_pop_head(&engine->jobs);
-    pthread_mutex_unlock(&engine->lock);
-    return job;
+    double count = ceil((double)engine->waiting / engine->threads);
+    if (engine->sample_ns > 0)
+        count = fmin(fmax(count, CLAIM_LEAST_NS / engine->sample_ns),
+                     CLAIM_WORTH_NS / engine->sample_ns);
+    else
+        count = fmin(count, MODEL_BLOCK);
+    if (count * 1.25 >= left)
+        return left;
+    // Whole blocks of the model where there are several, else whole vectors.
+    const uint32_t step = count > MODEL_BLOCK ? MODEL_BLOCK : CLAIM_LANES;
+    return MIN(left, MAX((uint32_t)count / step * step, CLAIM_LANES));
+}
+
+// Takes the next samples of the job that waits for longest. The caller holds the lock.
+static void claim_take(struct engine *engine, struct claim *claim)
+{
+    struct engine_job *job = g_queue_peek_head(&engine->jobs);
+    const uint32_t left = job->work.identity.batch.count - job->claimed;
+    *claim = (struct claim){.job = job, .begin = job->claimed, .count = claim_count(engine, left)};
+    job->claimed += claim->count;
+    engine->waiting -= claim->count;
+    if (claim->count == left)
+        g_queue_pop_head(&engine->jobs);
+}
+
+// Adds what was done to its job. The caller holds the lock. True when the job is done.
+static bool claim_settle(struct engine *engine, const struct claim *claim)
+{
+    struct engine_job *job = claim->job;
+    job->done += claim->count;
+    job->non_finite += claim->non_finite;
+    job->busy_ns += claim->busy_ns;
+    const double sample_ns = (double)MAX(claim->busy_ns, 1) / claim->count;
+    engine->sample_ns += (sample_ns - engine->sample_ns) / (engine->sample_ns > 0 ? 8 : 1);
+    return job->done == job->work.identity.batch.count;
+}
+
+// Puts the result into the form in which it travels.
+static void finish(const struct engine *engine, struct engine_job *job)
+{
+    if (job->verdicts != NULL) {
+        const uint32_t count = job->work.identity.batch.count;
+        const enum verdict_detail detail = job->work.identity.detail;
+        const int64_t start_ns = clock_monotonic_ns();
+        job->packed = g_malloc(verdict_packed_size_max(count, detail));
+        job->packed_size = verdict_pack(job->verdicts, count, detail, job->packed);
+        job->busy_ns += clock_monotonic_ns() - start_ns;
+    }
+    job->service_ns = job->busy_ns / engine->threads;
 }
 
 // Only the first of several results that wait has to wake the main loop.
 static void give_result(struct engine *engine, struct engine_job *job)
 {
+    finish(engine, job);
     pthread_mutex_lock(&engine->lock);
     bool wake = g_queue_is_empty(&engine->results);
     g_queue_push_tail(&engine->results, job);
@@ -70,52 +136,83 @@ static void give_result(struct engine *engine, struct engine_job *job)
         eventfd_write(engine->descriptor, 1);
 }
 
-static void evaluate_samples(struct engine_job *job, int threads, struct verdict *verdicts)
+// What is left to do once the engine is to end: jobs that were begun.
+static bool work_waits(const struct engine *engine)
 {
-    const struct intake_work *work = &job->work;
-    const struct batch *batch = &work->identity.batch;
-    job->non_finite =
-        batch_evaluate(work->scenario, work->model, work->box, batch, threads, verdicts);
-    job->packed = g_malloc(verdict_packed_size_max(batch->count, work->identity.detail));
-    job->packed_size = verdict_pack(verdicts, batch->count, work->identity.detail, job->packed);
+    const struct engine_job *job = engine->jobs.head != NULL ? engine->jobs.head->data : NULL;
+    return job != NULL && (!engine->ending || job->claimed > 0);
 }
 
-static void evaluate_designs(struct engine_job *job, int threads)
+// Hands in what the thread has done, if anything, then waits for work and takes a part of it; false
+// when there will be none. One thread wakes the next: to wake all at once for every small batch
+// would cost more than the batch.
+static bool claim_next(struct engine *engine, struct claim *claim)
 {
-    const struct intake_work *work = &job->work;
-    const uint32_t count = work->identity.batch.count;
-    job->outcome_count = (size_t)count * model_outcome_count(work->model);
-    job->outcomes = g_new(double, job->outcome_count);
-    batch_evaluate_designs(work->model, work->identity.designs, count, threads, job->outcomes);
+    pthread_mutex_lock(&engine->lock);
+    if (claim->job != NULL && claim_settle(engine, claim)) {
+        pthread_mutex_unlock(&engine->lock);
+        give_result(engine, claim->job);
+        pthread_mutex_lock(&engine->lock);
+    }
+    while (!work_waits(engine) && !engine->ending) {
+        engine->sleeping++;
+        pthread_cond_wait(&engine->work, &engine->lock);
+        engine->sleeping--;
+    }
+    const bool found = work_waits(engine);
+    if (found)
+        claim_take(engine, claim);
+    const bool wake = engine->sleeping > 0 && work_waits(engine);
+    pthread_mutex_unlock(&engine->lock);
+    if (wake)
+        pthread_cond_signal(&engine->work);
+    return found;
 }
 
-static void evaluate(struct engine_job *job, int threads, struct verdict *verdicts)
+static void evaluate_samples(struct claim *claim, struct batch_scratch *scratch)
+{
+    const struct intake_work *work = &claim->job->work;
+    claim->non_finite =
+        batch_evaluate_part(work->scenario, work->model, work->box, &work->identity.batch,
+                            claim->begin, claim->count, scratch, claim->job->verdicts);
+}
+
+static void evaluate_designs(const struct claim *claim)
+{
+    const struct intake_work *work = &claim->job->work;
+    const size_t variables = model_variable_count(work->model);
+    const size_t outcomes = model_outcome_count(work->model);
+    batch_evaluate_designs(work->model, work->identity.designs + claim->begin * variables,
+                           claim->count, 1, claim->job->outcomes + claim->begin * outcomes);
+}
+
+static void claim_evaluate(struct claim *claim, struct batch_scratch *scratch)
 {
     const int64_t start_ns = clock_monotonic_ns();
-    if (job->work.identity.designs != NULL)
-        evaluate_designs(job, threads);
+    if (claim->job->work.identity.designs != NULL)
+        evaluate_designs(claim);
     else
-        evaluate_samples(job, threads, verdicts);
-    job->service_ns = clock_monotonic_ns() - start_ns;
+        evaluate_samples(claim, scratch);
+    claim->busy_ns = clock_monotonic_ns() - start_ns;
 }
 
+static void thread_work(struct engine *engine)
+{
+    struct batch_scratch scratch = {0};
+    struct claim claim = {0};
+    while (claim_next(engine, &claim))
+        claim_evaluate(&claim, &scratch);
+    batch_scratch_fini(&scratch);
+}
+
+// The team stays together from the first job to the last. Its threads are started by this one and
+// inherit its priority.
 static void *compute(void *user)
 {
     struct engine *engine = user;
-    struct verdict *verdicts = NULL;
-    uint32_t room = 0;
-    struct engine_job *job;
     lower_priority(engine->priority);
-    while ((job = wait_for_job(engine)) != NULL) {
-        uint32_t count = job->work.identity.batch.count;
-        if (count > room) {
-            room = count;
-            verdicts = g_renew(struct verdict, verdicts, room);
-        }
-        evaluate(job, engine->threads, verdicts);
-        give_result(engine, job);
-    }
-    g_free(verdicts);
+#pragma omp parallel num_threads(engine->threads) if (engine->threads > 1)
+    thread_work(engine);
     return NULL;
 }
 
@@ -163,7 +260,7 @@ void engine_stop(struct engine *engine)
         return;
     pthread_mutex_lock(&engine->lock);
     engine->ending = true;
-    pthread_cond_signal(&engine->work);
+    pthread_cond_broadcast(&engine->work);
     pthread_mutex_unlock(&engine->lock);
     pthread_join(engine->thread, NULL);
     engine->running = false;
@@ -191,10 +288,20 @@ void engine_free(struct engine *engine)
 
 void engine_submit(struct engine *engine, struct engine_job *job)
 {
+    const uint32_t count = job->work.identity.batch.count;
+    if (job->work.identity.designs != NULL) {
+        job->outcome_count = (size_t)count * model_outcome_count(job->work.model);
+        job->outcomes = g_new(double, job->outcome_count);
+    } else {
+        job->verdicts = g_new(struct verdict, count);
+    }
     pthread_mutex_lock(&engine->lock);
     g_queue_push_tail(&engine->jobs, job);
-    pthread_cond_signal(&engine->work);
+    engine->waiting += count;
+    const bool wake = engine->sleeping > 0;
     pthread_mutex_unlock(&engine->lock);
+    if (wake)
+        pthread_cond_signal(&engine->work);
 }
 
 struct engine_job *engine_collect(struct engine *engine)

@@ -1,7 +1,7 @@
 // A worker: hears batches on a wire, evaluates them on all its cores, answers with verdicts. It
 // runs on the caller's GLib main context, as a program of its own (sobox-worker) or inside a
-// coordinator (memq://). The message thread only moves messages; one computing thread evaluates
-// batches with OpenMP at a lower priority, so that a busy worker still answers at once.
+// coordinator (memq://). The message thread only moves messages; a team of OpenMP threads
+// evaluates batches at a lower priority, so that a busy worker still answers at once.
 #ifndef SOBOX_WORKER_RUNTIME_WORKER_H
 #define SOBOX_WORKER_RUNTIME_WORKER_H
 
@@ -38,15 +38,15 @@ struct worker;
 struct worker_settings worker_settings_default(void);
 
 // Starts a worker on `wire`, which outlives it: subscribes, attaches the wire to the default main
-// context, starts the computing thread, announces itself, and again once a second. `sender` is the
+// context, starts the computing threads, announces itself, and again once a second. `sender` is the
 // number the wire was opened with. Takes WIRE_SAMPLE_BATCH, WIRE_TEXT and WIRE_RUN_STATUS of the
 // wire, with `reopen` WIRE_WORKER_STATUS too. Not to be called from a wire's handler.
 // Errors: STATUS_NETWORK (subscription failed), STATUS_FAILED (no thread).
 enum status worker_start(struct worker **worker, struct wire *wire, uint64_t sender,
                          const struct worker_settings *settings, struct error *error) MUST_USE;
 
-// Finishes the batch in work, says that it leaves, and releases everything. NULL is fine. Not to be
-// called from a wire's handler.
+// Finishes the batches in work, says that it leaves, and releases everything. NULL is fine. Not to
+// be called from a wire's handler.
 void worker_stop(struct worker *worker);
 
 // How many OpenMP threads it has.
