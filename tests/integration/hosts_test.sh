@@ -42,23 +42,20 @@ _start_run()
     start coordinator on 1 sobox-coordinator "$scenario" "${options[@]}" --out stormy --url "$far"
 }
 
-_read_steps() # RUN
-{
-    steps=$(journal "$1" 'SELECT count(*) FROM step' 2>/dev/null)
-}
-
-# `steps` becomes the number of those in its journal. A database whose last writer
-# is just closing it cannot be read for that moment.
-_count_steps() # RUN
-{
-    wait_until "the steps of $1 can be counted" _read_steps "$1"
-}
-
 # Waits until the run has gone on by so many steps.
 _wait_for_more_steps() # COUNT
 {
-    _count_steps stormy
+    wait_for_steps stormy 0
     wait_for_steps stormy $((steps + $1))
+}
+
+# Waits until the run has gone on by some steps, and to a moment somewhere in the next one.
+_wait_at_random() # LEAST GREATEST
+{
+    _draw "$1" "$2"
+    _wait_for_more_steps "$drawn"
+    _draw 0 9
+    _pause "$drawn"
 }
 
 # ---- Weather ----
@@ -111,8 +108,7 @@ workers_killed_at_random_times_change_nothing()
     wait_for_steps stormy 1
     local kills=0 number
     while [ "$kills" -lt $((8 * rounds)) ] && ! _has_ended coordinator; do
-        _draw 10 100
-        _pause "$drawn"
+        _wait_at_random 2 15
         _draw 2 5
         number=$drawn
         signal KILL "worker-$number"
@@ -203,12 +199,12 @@ coordinator_killed_twenty_times_resumes_to_the_same_bits()
     make_hosts 5
     join_by_switch 1 1 1 1
     _start_run
-    wait_for_steps stormy 1
-    local kills
-    for kills in $(seq $((20 * rounds))); do
-        _draw 5 120
-        _pause "$drawn"
-        ! _has_ended coordinator || fail "the run was over before kill $kills"
+    local kills=0
+    while [ "$kills" -lt $((20 * rounds)) ]; do
+        kills=$((kills + 1))
+        # 0 steps: while it still finds its feet.
+        _wait_at_random 0 20
+        hold coordinator stormy 0
         signal KILL coordinator
         finish 137 coordinator
         start coordinator on 1 sobox-coordinator --resume stormy --url "$far"
@@ -228,16 +224,20 @@ two_coordinators_share_three_workers()
     make_hosts 5
     join_by_bridge
     local number name whole
-    _count_steps calm
+    wait_for_steps calm 0
     whole=$steps
+    start one on 1 sobox-coordinator "$scenario" "${large[@]}" --out one --url "$far"
+    start two on 2 sobox-coordinator "$scenario" "${large[@]}" --out two --url "$far"
+    # Neither begins before the other is there.
+    for name in one two; do
+        wait_for_line $name 'waiting for a worker'
+    done
     for number in 3 4 5; do
         start "worker-$number" on "$number" sobox-worker --url "$far" --threads 1
     done
-    start one on 1 sobox-coordinator "$scenario" "${large[@]}" --out one --url "$far"
-    start two on 2 sobox-coordinator "$scenario" "${large[@]}" --out two --url "$far"
     wait_until 'one of two runs ends' eval '_has_ended one || _has_ended two'
     for name in one two; do
-        _count_steps $name
+        wait_for_steps $name 0
         [ $((100 * steps / whole)) -ge 60 ] ||
             fail "$name had done $steps of its $whole steps when the other was done"
     done

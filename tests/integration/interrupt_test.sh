@@ -7,13 +7,14 @@ _begin_and_end_run() # SIGNAL-FUNCTION OPTION...
     shift
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run "$@"
-    wait_for_steps run 3
+    hold coordinator run 3
     "$how"
 }
 
 _ctrl_c()
 {
     press_ctrl_c coordinator
+    go_on coordinator
     finish 130 coordinator
     expect_said coordinator.err '--resume run'
     expect_equal "$(journal run 'SELECT state FROM run')" interrupted 'state of the run'
@@ -51,8 +52,9 @@ ctrl_c_ends_local_workers_too()
 sigterm_to_the_coordinator_alone_ends_local_workers_too()
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --workers 2
-    wait_for_steps run 2
+    hold coordinator run 2
     signal TERM coordinator
+    go_on coordinator
     finish 130 coordinator
     wait_until 'the local workers are gone' no_process_left
 }
@@ -74,9 +76,9 @@ run_killed_again_and_again_resumes_to_the_same_bits()
 {
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
-    local steps
-    for steps in 1 4 8 12; do
-        wait_for_steps run "$steps"
+    local count
+    for count in 1 4 8 12; do
+        hold coordinator run "$count"
         signal KILL coordinator
         finish 137 coordinator
         start coordinator sobox-coordinator --resume run
@@ -125,8 +127,9 @@ run_of_another_version_is_not_continued()
 _interrupted_run_of() # SQL that changes its journal
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
-    wait_for_steps run 1
+    hold coordinator run 1
     press_ctrl_c coordinator
+    go_on coordinator
     finish 130 coordinator
     sqlite3 run/run.db "$1"
 }

@@ -34,7 +34,7 @@ sealed_run_survives_its_workers_and_its_coordinator()
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start first sobox-worker --url "$url" --key-file key
     start killed sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url" --key-file key
-    wait_for_steps stormy 2
+    hold killed stormy 2
     signal KILL first
     signal KILL killed
     start second sobox-worker --url "$url" --key-file key
@@ -111,13 +111,14 @@ key_shows_nowhere()
     _new_key key
     digits=$(_digits key)
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --workers 1 --key-file key --verbose
-    wait_for_steps run 1
+    hold coordinator run 1
     pids="${process[coordinator]} $(local_workers coordinator)"
     local pid
     for pid in $pids; do
         ! grep -qa "${digits:0:16}" "/proc/$pid/cmdline" "/proc/$pid/environ" ||
             fail "the key is an argument or in the environment of $pid"
     done
+    go_on coordinator
     finish 0 coordinator
     local bytes
     # shellcheck disable=SC2001 # two digits at a time

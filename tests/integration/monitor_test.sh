@@ -46,9 +46,10 @@ hanging_and_killed_monitors_change_nothing()
     wait_for_line killed 'the page is at'
     start worker sobox-worker --url "$url"
     start coordinator sobox-coordinator "$scenario" --out watched --url "$url" "${steady[@]}"
-    wait_for_steps watched 3
+    hold coordinator watched 3
     signal STOP hanging
     signal KILL killed
+    go_on coordinator
     finish 0 coordinator
     expect_same_run alone watched
     signal CONT hanging

@@ -21,7 +21,8 @@ metrics_pass_the_check_of_promtool()
     _start_page
     _metrics
     run 0 promtool check metrics <metrics
-    start worker sobox-worker --url "$url"
+    # Of one thread: a team of several waits for its last one where others want the processor.
+    start worker sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" --out run --url "$url" "${steady[@]}" \
         --set search.samples=40000
     wait_until 'the running search is told of' \

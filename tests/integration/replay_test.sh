@@ -93,9 +93,10 @@ finished_run_folder_is_told_once()
 running_run_folder_is_followed()
 {
     start coordinator sobox-coordinator "$scenario" --out run "${steady[@]}" --set search.samples=20000
-    wait_for_steps run 2
+    hold coordinator run 2
     start monitor sobox-monitor --from run --plain
     wait_for_line monitor 'short: running'
+    go_on coordinator
     finish 0 coordinator
     finish 0 monitor
     expect_said monitor.out 'short: done'

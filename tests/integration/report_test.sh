@@ -15,8 +15,9 @@ report_is_made_from_the_journal_alone()
 _interrupted_run()
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
-    wait_for_steps run 3
+    hold coordinator run 3
     press_ctrl_c coordinator
+    go_on coordinator
     finish 130 coordinator
 }
 
@@ -31,7 +32,7 @@ run_that_was_interrupted_can_be_reported()
 run_that_was_killed_can_be_reported()
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
-    wait_for_steps run 3
+    hold coordinator run 3
     signal KILL coordinator
     finish 137 coordinator
     run 0 sobox-report run
@@ -53,12 +54,12 @@ run_in_full_swing_can_be_reported()
 {
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run
-    local steps
-    for steps in 2 5 8; do
-        wait_for_steps run "$steps"
+    local count
+    for count in 2 5 8; do
+        wait_for_steps run "$count"
         run 0 sobox-report run
-        [ "$(json run/result.json '$.searches[0].steps')" -ge "$steps" ] ||
-            fail "the report lacks steps: $(json run/result.json '$.searches[0].steps') of $steps"
+        [ "$(json run/result.json '$.searches[0].steps')" -ge "$count" ] ||
+            fail "the report lacks steps: $(json run/result.json '$.searches[0].steps') of $count"
     done
     finish 0 coordinator
     expect_same_run calm run

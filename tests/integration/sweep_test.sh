@@ -53,10 +53,10 @@ sweep_killed_in_its_middle_resumes_to_the_same_rows()
 {
     _write_sweep 4
     run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
-    local steps
+    local count
     start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
-    for steps in 10 60 120; do
-        wait_for_steps run "$steps"
+    for count in 10 60 120; do
+        hold coordinator run "$count"
         signal KILL coordinator
         finish 137 coordinator
         start coordinator sobox-coordinator --resume run --threads 1
@@ -70,8 +70,9 @@ ctrl_c_in_a_sweep_over_worker_processes_resumes_to_the_same_rows()
     _write_sweep 4
     run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
     start coordinator sobox-coordinator sweep.yaml --out run --workers 2 "${steady[@]}"
-    wait_for_steps run 50
+    hold coordinator run 50
     press_ctrl_c coordinator
+    go_on coordinator
     finish 130 coordinator
     expect_said coordinator.err '--resume run'
     run 0 sobox-coordinator --resume run
@@ -142,7 +143,7 @@ search_that_fails_is_a_row_and_not_the_end()
 {
     _write_sweep 4
     start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
-    wait_for_steps run 12
+    hold coordinator run 12
     signal KILL coordinator
     finish 137 coordinator
     sqlite3 run/run.db 'UPDATE step SET bounds = zeroblob(length(bounds)) WHERE id = 1'

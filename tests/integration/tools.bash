@@ -122,15 +122,21 @@ wait_for_line() {
     wait_until "$1 says '$2'" grep -qsE -e "$2" "$1.out" "$1.err"
 }
 
-_has_steps() {
-    local count
-    count=$(sqlite3 -readonly "$1/run.db" 'SELECT count(*) FROM step' 2>/dev/null) &&
-        [ "$count" -ge "$2" ]
+# wait_for_steps RUN COUNT: until the journal holds so many steps: the run is under way, or over.
+# `steps` becomes the number that it holds.
+wait_for_steps() {
+    steps=$(steps "$1" "$2" "$patience") || fail "$1 does not come to $2 steps"
 }
 
-# wait_for_steps RUN COUNT: until the journal holds so many steps: the run is under way.
-wait_for_steps() {
-    wait_until "$1 has $2 steps" _has_steps "$1" "$2"
+# hold NAME RUN COUNT: stops the program that writes this run as soon as there are so many steps, so
+# that what the case does next it does in mid-run, however slow the machine is then. Kill it, or
+# let it `go_on`. (What it is sent meanwhile, SIGKILL excepted, it finds when it goes on.)
+hold() {
+    steps=$(steps "$2" "$3" "$patience" "${process[$1]}") || fail "$1 was not held at step $3"
+}
+
+go_on() {
+    signal CONT "$1"
 }
 
 no_process_left() {
@@ -139,9 +145,10 @@ no_process_left() {
 
 # ---- Looking ----
 
-# journal RUN SQL: asks the journal of a run folder.
+# journal RUN SQL: asks the journal of a run folder. Who closes a database as its last user locks it
+# for a moment.
 journal() {
-    sqlite3 -readonly "$1/run.db" "$2"
+    sqlite3 -readonly -cmd '.timeout 10000' "$1/run.db" "$2"
 }
 
 # json FILE PATH: a value of a JSON file, for instance '$.searches[0].digest'.

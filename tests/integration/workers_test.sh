@@ -9,8 +9,9 @@ batches_of_a_killed_worker_are_done_by_the_others()
     start one sobox-worker --url "$url" --threads 1
     start two sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url"
-    wait_for_steps stormy 2
+    hold coordinator stormy 2
     signal KILL one
+    go_on coordinator
     finish 0 coordinator
     expect_same_run calm stormy
 }
@@ -20,8 +21,9 @@ killed_local_worker_is_noticed_and_done_without()
 {
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --workers 2
-    wait_for_steps stormy 2
+    hold coordinator stormy 2
     kill -KILL "$(local_workers coordinator | head -n 1)"
+    go_on coordinator
     finish 0 coordinator
     expect_said coordinator.err 'local worker .* ended'
     expect_same_run calm stormy
@@ -31,8 +33,9 @@ killed_local_worker_is_noticed_and_done_without()
 run_fails_when_all_local_workers_are_killed()
 {
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --workers 1
-    wait_for_steps run 2
+    hold coordinator run 2
     kill -KILL "$(local_workers coordinator | head -n 1)"
+    go_on coordinator
     finish 1 coordinator
     expect_said coordinator.err 'all local workers have ended.*--resume'
     expect_equal "$(journal run 'SELECT state FROM run')" failed 'state of the run'
@@ -45,8 +48,9 @@ worker_started_in_mid_run_takes_over()
     run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
     start first sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url"
-    wait_for_steps stormy 2
+    hold coordinator stormy 2
     signal KILL first
+    go_on coordinator
     start second sobox-worker --url "$url"
     finish 0 coordinator
     expect_same_run calm stormy
@@ -60,8 +64,9 @@ frozen_worker_holds_nothing_up_and_thaws_without_harm()
     start one sobox-worker --url "$url" --threads 1
     start two sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url"
-    wait_for_steps stormy 2
+    hold coordinator stormy 2
     signal STOP one
+    go_on coordinator
     wait_for_steps stormy 6
     signal CONT one
     finish 0 coordinator
@@ -114,9 +119,10 @@ worker_ends_with_ctrl_c()
 {
     start worker sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out run --url "$url"
-    wait_for_steps run 1
+    hold coordinator run 1
     press_ctrl_c worker
     finish 0 worker
+    go_on coordinator
     # It has said that it leaves, so the coordinator need not first miss it.
     wait_for_line coordinator 'waiting for a worker'
 }
