@@ -59,6 +59,7 @@ void wire_source_attach(struct wire *wire)
     source->tag_count = wire_descriptors(wire, descriptors);
     for (size_t i = 0; i < source->tag_count; i++)
         source->tags[i] = g_source_add_unix_fd(wire->source, descriptors[i], G_IO_IN);
+    g_source_set_can_recurse(wire->source, TRUE); // it does not, and is cheaper: watch.h
     g_source_set_name(wire->source, "wire");
     g_source_attach(wire->source, NULL);
 }

@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/watch.h"
 #include "common/wire/source.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/texts.h"
@@ -686,7 +687,7 @@ static void loop(struct coordinator *coordinator)
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
         g_unix_signal_add(SIGINT, interrupted, coordinator),
         g_unix_signal_add(SIGTERM, interrupted, coordinator),
-        g_unix_fd_add(coordinator->wake, G_IO_IN, woken, coordinator),
+        watch_add(coordinator->wake, woken, coordinator),
     };
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)

@@ -1,7 +1,8 @@
 #include "coordinator/runtime/trimmer.h"
 
+#include "common/base/watch.h"
+
 #include <assert.h>
-#include <glib-unix.h>
 #include <pthread.h>
 #include <signal.h>
 #include <sys/eventfd.h>
@@ -98,7 +99,7 @@ enum status trimmer_create(struct trimmer **result, int threads, trimmer_handler
     g_queue_init(&trimmer->waiting);
     pthread_mutex_init(&trimmer->lock, NULL);
     pthread_cond_init(&trimmer->work, NULL);
-    trimmer->watch = g_unix_fd_add(descriptor, G_IO_IN, told, trimmer);
+    trimmer->watch = watch_add(descriptor, told, trimmer);
     start_threads(trimmer, threads);
     if (trimmer->thread_count == 0) {
         trimmer_free(trimmer);

@@ -3,13 +3,17 @@
 // coordinator runs a search over the same two. Prints rows of CSV; tests/bench/cluster_bench runs
 // it beside its peers and says what the columns mean.
 //
-//     cluster_rates PROGRAM_FOLDER SCENARIO_FOLDER
+//     cluster_rates PROGRAM_FOLDER SCENARIO_FOLDER [step | batches | bulk | share]
+//
+// The last argument takes one group of figures alone, as one does under a profiler. (Its processes
+// are seen by perf record -g -a, or each by perf record -p.)
 //
 // Each figure is taken some rounds long; `best` is what the machine can do when others leave it
 // alone, `median` what it did. Processor time is counted by the kernel a process, so other work on
 // the machine disturbs it less than the clock on the wall.
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/watch.h"
 #include "common/scenario/scenario_read.h"
 #include "common/wire/source.h"
 #include "coordinator/runtime/texts.h"
@@ -662,13 +666,19 @@ static void measure_share(struct bench *bench, const char *folder)
     }
 }
 
+static bool wanted(const char *group, const char *name)
+{
+    return group == NULL || strcmp(group, name) == 0;
+}
+
 int main(int argc, char **argv)
 {
     log_start("cluster_rates", LOG_NORMAL);
-    if (argc != 3) {
-        log_error("usage: cluster_rates PROGRAM_FOLDER SCENARIO_FOLDER");
+    if (argc != 3 && argc != 4) {
+        log_error("usage: cluster_rates PROGRAM_FOLDER SCENARIO_FOLDER [GROUP]");
         return 2;
     }
+    const char *const group = argc == 4 ? argv[3] : NULL;
     struct error error = {0};
     struct bench bench = {
         .programs = argv[1],
@@ -693,15 +703,19 @@ int main(int argc, char **argv)
     expect_ok(wire_subscribe(bench.wire, WIRE_WORKER_STATUS, heard_worker, &bench, &error), &error);
     expect_ok(wire_subscribe(bench.wire, WIRE_TEXT_REQUEST, heard_request, &bench, &error), &error);
     wire_source_attach(bench.wire);
-    g_unix_fd_add(bench.wake, G_IO_IN, woken, &bench);
+    (void)!watch_add(bench.wake, woken, &bench);
     g_timeout_add_seconds(1, each_second, NULL);
 
-    measure_step(&bench, argv[2]);
-    measure_batches(&bench, argv[2]);
-    measure_bulk(&bench, argv[2]);
+    if (wanted(group, "step"))
+        measure_step(&bench, argv[2]);
+    if (wanted(group, "batches"))
+        measure_batches(&bench, argv[2]);
+    if (wanted(group, "bulk"))
+        measure_bulk(&bench, argv[2]);
     wire_source_detach(bench.wire);
     wire_close(bench.wire);
-    measure_share(&bench, argv[2]);
+    if (wanted(group, "share"))
+        measure_share(&bench, argv[2]);
 
     for (int i = 0; i < WORKERS; i++) {
         kill(bench.workers[i], SIGTERM);

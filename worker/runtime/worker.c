@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/watch.h"
 #include "common/wire/source.h"
 #include "sobox_design_batch_t.h"
 #include "sobox_outcome_batch_t.h"
@@ -470,8 +471,7 @@ static void start_sources(struct worker *worker)
     g_source_set_name(worker->wake, "texts to ask for");
     g_source_set_callback(worker->wake, wake_up, worker, NULL);
     g_source_attach(worker->wake, NULL);
-    worker->results =
-        g_unix_fd_add(engine_descriptor(worker->engine), G_IO_IN, results_wait, worker);
+    worker->results = watch_add(engine_descriptor(worker->engine), results_wait, worker);
     worker->tick = g_timeout_add(STATUS_INTERVAL_MS, each_second, worker);
 }
 
