@@ -4,6 +4,7 @@
 #include "common/base/log.h"
 #include "common/base/watch.h"
 #include "common/wire/source.h"
+#include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/texts.h"
 #include "coordinator/runtime/trimmer.h"
@@ -32,18 +33,14 @@ enum {
     STATUS_INTERVAL_MS = 1000,
     SEARCH_STATUS_INTERVAL_MS = 100,
     SEARCH_STATUS_BURST = 32, // searches told of at once; thousands take turns
-    // Searches open at once: each has a scenario of its own, and a worker that is to know more of
-    // them than it keeps refuses batches. A few are left for another coordinator with the same
-    // workers. A search of thesis size holds some 6 MB at its end (its known bad samples).
-    OPEN_MAX = 48,
-    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
+    TEXT_PIECES_MAX = 64,     // answered to one request; the worker asks on from there
     // A signal to the whole process group (Ctrl-C, scancel, systemctl stop) may end the local
     // workers before it reaches the coordinator, which then is interrupted and not abandoned. One
     // process hears it some milliseconds after another; on a busy machine it may be a hundred.
     ABANDONED_WAIT_MS = 1000,
 };
 
-_Static_assert((int)OPEN_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
+_Static_assert((int)OPENING_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
 
 // Nobody has answered for so long: say what is being waited for.
 static const int64_t WAIT_NOTE_NS = CLOCK_SECOND_NS;
@@ -61,8 +58,9 @@ struct coordinator {
     struct texts *texts;
     struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
-    GQueue ready;  // indexes of open searches whose step is sampled, or that have just been opened
-    uint32_t told; // the search whose turn it is to be told of
+    GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
+    struct opening opening;
+    uint32_t told;           // the search whose turn it is to be told of
     struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
     GSource *opener;         // runs once to see whether another search may be opened
     GMainLoop *loop;
@@ -239,8 +237,10 @@ static void publish_run_status(struct coordinator *coordinator, enum run_state s
 // The search is done and leaves: what it held is released.
 static void leave(struct coordinator *coordinator, uint32_t index)
 {
+    const struct scenario *scenario = &coordinator->run->open[index]->scenario;
     publish_search_status(coordinator, index);
-    texts_remove(coordinator->texts, &coordinator->run->open[index]->scenario.digest);
+    texts_remove(coordinator->texts, &scenario->digest);
+    opening_close(&coordinator->opening, scenario);
     run_close(coordinator->run, index);
     g_source_set_ready_time(coordinator->opener, 0);
 }
@@ -337,20 +337,14 @@ static void heard_trimmed(void *user, GPtrArray *searches)
     g_source_set_ready_time(coordinator->opener, 0);
 }
 
-// Whether the workers and the trimming threads have room for another search. When nothing waits to
-// be handed out, every worker has all it may hold or soon will be idle; one more search than that
-// keeps the next batch at hand.
+// Whether another search should be open.
 static bool room_for_search(const struct coordinator *coordinator)
 {
-    const struct run *run = coordinator->run;
-    if (run->open_count == 0)
-        return true;
-    if (coordinator->trimmer == NULL || run->open_count >= OPEN_MAX ||
-        trimmer_load(coordinator->trimmer) >= 2)
-        return false;
     struct schedule_counters counters;
     schedule_counters(coordinator->schedule, &counters);
-    return counters.workers > 0 && counters.batches_waiting == 0;
+    const double trims =
+        coordinator->trimmer != NULL ? trimmer_load(coordinator->trimmer) : OPENING_TRIMS_MAX;
+    return opening_wanted(&coordinator->opening, &counters, trims);
 }
 
 // Opens one search at most, so that messages are heard between two of them.
@@ -370,6 +364,7 @@ static enum status open_search(struct coordinator *coordinator)
         return STATUS_OK;
     }
     const struct scenario *scenario = &run->open[index]->scenario;
+    opening_open(&coordinator->opening, scenario);
     texts_add(coordinator->texts, &scenario->digest, scenario->text, scenario->text_size);
     g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(index));
     return STATUS_OK;
@@ -723,6 +718,7 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         .texts = texts_create(),
         .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
         .ready = G_QUEUE_INIT,
+        .opening = opening_default(),
         .loop = g_main_loop_new(NULL, FALSE),
         .wake = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC),
         .wake_ns = INT64_MAX,

@@ -63,7 +63,7 @@ struct intake *intake_create(void)
     _Static_assert((int)INTAKE_BOX_MAX >= (int)INTAKE_QUEUE_MAX,
                    "each queued batch may hold a box of its own: keep at least as many");
     struct intake *intake = g_new0(struct intake, 1);
-    store_init(&intake->store, INTAKE_SCENARIO_MAX, INTAKE_BOX_MAX);
+    store_init(&intake->store, INTAKE_SCENARIO_MAX, INTAKE_SCENARIO_SIZE_MAX, INTAKE_BOX_MAX);
     intake->batches = g_hash_table_new_full(identity_hash, identity_same, queued_free, NULL);
     g_queue_init(&intake->waiting);
     g_queue_init(&intake->ready);
@@ -236,8 +236,7 @@ enum status intake_batch(struct intake *intake, const struct intake_batch *batch
     }
     queued = queued_create(intake, batch, now_ns);
     if (queued == NULL)
-        return error_set(error, STATUS_REFUSED, "%d scenarios are in use already",
-                         INTAKE_SCENARIO_MAX);
+        return error_set(error, STATUS_REFUSED, "as many scenarios as may be kept are in use");
     struct item *box = queued->box;
     if (box == NULL || batch->bound_count == 0 || box->ready)
         return queued_place(intake, queued, error);

@@ -7,9 +7,10 @@
 //
 // A batch of given designs brings them along and needs no box.
 //
-// The queue is bounded: a batch that finds it full is dropped, and its lease lapses. So is the
-// number of texts kept: the one unused for longest goes first. A text that nobody sends, however
-// often it is asked for, is given up with the batches that wait for it: their coordinator is gone.
+// The queue is bounded: a batch that finds it full is dropped, and its lease lapses. So are the
+// number and the size of the texts kept: the one unused for longest goes first, and is asked for
+// again by the next batch that needs it. A text that nobody sends, however often it is asked for,
+// is given up with the batches that wait for it: their coordinator is gone.
 //
 // A request is answered with all pieces from its offset on. So a missing piece is noticed when the
 // last one arrives, and asked for at once; only the loss of the last one costs an interval.
@@ -27,9 +28,13 @@
 struct intake;
 
 enum {
-    INTAKE_QUEUE_MAX = 1024,  // batches waiting or taken; thousands would only grow stale
-    INTAKE_SCENARIO_MAX = 64, // scenarios kept, prepared or asked for
-    INTAKE_BOX_MAX = 1024,    // boxes kept or asked for; not less than the queue is long
+    INTAKE_QUEUE_MAX = 1024, // batches waiting or taken; thousands would only grow stale
+    // Scenarios kept, prepared or asked for: more than one coordinator has searches open, and some
+    // for another. A prepared one of thesis size takes 20 KB.
+    INTAKE_SCENARIO_MAX = 2048,
+    // Texts of those prepared [bytes]: what is made of one takes some 25 times its size.
+    INTAKE_SCENARIO_SIZE_MAX = 16 << 20,
+    INTAKE_BOX_MAX = 1024, // boxes kept or asked for; not less than the queue is long
     // Of designs that wait or are taken [bytes]: hundreds of batches of the greatest messages.
     INTAKE_DESIGN_SIZE_MAX = 32 << 20,
     INTAKE_ASK_MAX = 12, // requests without an answer, then a text is given up: about 9 s

@@ -30,9 +30,11 @@ static void item_free(gpointer data)
     g_free(item);
 }
 
-void store_init(struct store *store, uint32_t scenario_max, uint32_t box_max)
+void store_init(struct store *store, uint32_t scenario_max, uint64_t scenario_size_max,
+                uint32_t box_max)
 {
-    *store = (struct store){.item_max = {[ITEM_SCENARIO] = scenario_max, [ITEM_BOX] = box_max}};
+    *store = (struct store){.item_max = {[ITEM_SCENARIO] = scenario_max, [ITEM_BOX] = box_max},
+                            .scenario_size_max = scenario_size_max};
     for (int kind = 0; kind < ITEM_KIND_COUNT; kind++) {
         store->items[kind] = g_hash_table_new_full(digest_hash, digest_same, NULL, item_free);
         g_queue_init(&store->idle[kind]);
@@ -47,16 +49,23 @@ void store_fini(struct store *store)
     *store = (struct store){0};
 }
 
-// Whether there is room for one more item, after forgetting the one unused for longest if need be.
+static bool store_full(const struct store *store, enum item_kind kind)
+{
+    return g_hash_table_size(store->items[kind]) >= store->item_max[kind] ||
+           (kind == ITEM_SCENARIO && store->scenario_size >= store->scenario_size_max);
+}
+
+// Whether there is room for one more item, after forgetting those unused for longest if need be.
 static bool store_make_room(struct store *store, enum item_kind kind)
 {
-    if (g_hash_table_size(store->items[kind]) < store->item_max[kind])
-        return true;
-    GList *link = g_queue_pop_head_link(&store->idle[kind]);
-    if (link == NULL)
-        return false;
-    struct item *item = link->data;
-    g_hash_table_remove(store->items[kind], &item->digest);
+    while (store_full(store, kind)) {
+        GList *link = g_queue_pop_head_link(&store->idle[kind]);
+        if (link == NULL)
+            return false;
+        struct item *item = link->data;
+        store->scenario_size -= item->scenario.text_size;
+        g_hash_table_remove(store->items[kind], &item->digest);
+    }
     return true;
 }
 
@@ -152,6 +161,7 @@ enum text_progress store_piece(struct store *store, struct item *item, uint32_t 
 static void item_ready(struct store *store, struct item *item)
 {
     item->ready = true;
+    store->scenario_size += item->scenario.text_size;
     g_queue_unlink(&store->missing, &item->link);
 }
 

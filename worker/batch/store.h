@@ -50,16 +50,20 @@ struct item {
 struct store {
     GHashTable *items[ITEM_KIND_COUNT]; // digest -> item
     uint32_t item_max[ITEM_KIND_COUNT];
+    uint64_t scenario_size_max; // of the texts of all ready scenarios [bytes]
+    uint64_t scenario_size;
     GQueue idle[ITEM_KIND_COUNT]; // unused for longest first
     GQueue missing;               // needed for longest first
     uint64_t partial_size;        // of all unfinished texts [bytes]
 };
 
-void store_init(struct store *store, uint32_t scenario_max, uint32_t box_max);
+void store_init(struct store *store, uint32_t scenario_max, uint64_t scenario_size_max,
+                uint32_t box_max);
 void store_fini(struct store *store);
 
 // The item of that digest, with one user more: ready, or missing and to be asked for from `now_ns`
-// on. NULL when there is no room, because as many as may be kept are all in use.
+// on. NULL when there is no room, because as many, or as great ones, as may be
+// kept are all in use.
 struct item *store_acquire(struct store *store, enum item_kind kind, const struct digest *digest,
                            uint64_t run, int64_t now_ns);
 
