@@ -182,7 +182,7 @@ static enum status open_wire(struct wire **wire, const struct options *options,
     if (g_str_has_prefix(settings.url, "memq:"))
         return error_set(error, STATUS_INVALID,
                          "--url: %s reaches nobody outside this process: expected "
-                         "udpm://ADDRESS:PORT?ttl=N",
+                         "udpm://ADDRESS:PORT?ttl=N or tcpq://ADDRESS:PORT",
                          settings.url);
     do {
         if (getentropy(sender, sizeof *sender) != 0)

@@ -5,8 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#define URL_EXAMPLE \
-    "expected memq:// or udpm://ADDRESS:PORT, for instance udpm://239.255.76.67:7667?ttl=1"
+#define URL_EXAMPLE                                                                            \
+    "expected memq://, udpm://ADDRESS:PORT, for instance udpm://239.255.76.67:7667?ttl=1, or " \
+    "tcpq://ADDRESS:PORT of a hub"
+
+#define HUB_EXAMPLE "tcpq://ADDRESS:PORT, for instance tcpq://192.168.1.10:7700"
 
 // Decimal digits only: no sign, no blank, no octal.
 static bool parse_number(const char *text, uint64_t lowest, uint64_t highest, uint64_t *number)
@@ -85,15 +88,52 @@ static enum status parse_place(struct url *url, const char *place, struct error 
     return STATUS_OK;
 }
 
+// A hub's address is numeric, too: what LCM's own clients make of a name is this very host,
+// whatever the name, so that a cluster with one of them would fall apart without a word.
+static enum status parse_hub(struct url *url, const char *place, struct error *error)
+{
+    const char *colon = strchr(place, ':');
+    struct in_addr address;
+    uint64_t port = 0;
+    if (strchr(place, '?') != NULL)
+        return error_set(error, STATUS_INVALID, "tcpq:// has no options: expected " HUB_EXAMPLE);
+    if (colon == NULL)
+        return error_set(error, STATUS_INVALID, "the port is missing: expected " HUB_EXAMPLE);
+    char *text = g_strndup(place, (size_t)(colon - place));
+    bool dotted = inet_pton(AF_INET, text, &address) == 1 && address.s_addr != INADDR_ANY;
+    g_strlcpy(url->address, dotted ? text : "", sizeof url->address);
+    g_free(text);
+    if (!dotted)
+        return error_set(
+            error, STATUS_INVALID,
+            "'%.*s' is no address of a hub: expected numbers, for instance "
+            "tcpq://192.168.1.10:7700 ('getent ahostsv4 NAME' tells a host's; LCM takes "
+            "any name for this machine)",
+            (int)(colon - place), place);
+    if (IN_MULTICAST(ntohl(address.s_addr)))
+        return error_set(error, STATUS_INVALID,
+                         "%s is a multicast address: expected udpm:// before it, or the address of "
+                         "a hub",
+                         url->address);
+    if (!parse_number(colon + 1, 1, UINT16_MAX, &port))
+        return error_set(error, STATUS_INVALID, "port '%s': expected a number from 1 to %d",
+                         colon + 1, UINT16_MAX);
+    url->tcpq = true;
+    url->port = (uint16_t)port;
+    return STATUS_OK;
+}
+
 static enum status parse(struct url *url, const char *text, struct error *error)
 {
-    static const char scheme[] = "udpm://";
+    static const char scheme[] = "udpm://", hub_scheme[] = "tcpq://";
     *url = (struct url){.ttl = URL_TTL_DEFAULT, .receive_buffer = URL_RECEIVE_BUFFER_DEFAULT};
     if (strcmp(text, "memq://") == 0) {
         url->memq = true;
         return STATUS_OK;
     }
-    if (strncmp(text, scheme, strlen(scheme)) != 0)
+    if (g_str_has_prefix(text, hub_scheme))
+        return parse_hub(url, text + strlen(hub_scheme), error);
+    if (!g_str_has_prefix(text, scheme))
         return error_set(error, STATUS_INVALID, URL_EXAMPLE);
     char *place = g_strdup(text + strlen(scheme));
     char *options = strchr(place, '?');
@@ -114,10 +154,19 @@ enum status url_parse(struct url *url, const char *text, struct error *error)
     return status;
 }
 
+bool url_leaves_machine(const struct url *url)
+{
+    if (url->tcpq)
+        return !g_str_has_prefix(url->address, "127.");
+    return !url->memq && url->ttl > 0;
+}
+
 const char *url_lcm(const struct url *url, unsigned index, char text[URL_LCM_SIZE])
 {
     if (url->memq)
         g_strlcpy(text, "memq://", URL_LCM_SIZE);
+    else if (url->tcpq)
+        snprintf(text, URL_LCM_SIZE, "tcpq://%s:%u", url->address, url->port);
     else
         snprintf(text, URL_LCM_SIZE, "udpm://%s:%u?ttl=%u&recv_buf_size=%d", url->address,
                  url->port + index, url->ttl, INT32_MAX);

@@ -1,8 +1,9 @@
-// The URL of a wire: memq:// or udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES.
+// The URL of a wire: memq://, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES, or
+// tcpq://ADDRESS:PORT, where a hub is.
 //
 // LCM takes more than works: it reads a missing port as port 0, an unknown option as a warning, a
-// leading zero as an octal number. So the URL is read here, strictly, and LCM gets one that is
-// written anew for each of the wire's ports.
+// leading zero as an octal number, and the name of a hub's host as this host. So the URL is read
+// here, strictly, and LCM gets one that is written anew for each of the wire's ports.
 #ifndef SOBOX_COMMON_WIRE_URL_H
 #define SOBOX_COMMON_WIRE_URL_H
 
@@ -23,8 +24,9 @@ enum {
 
 struct url {
     bool memq;                     // memq://: inside the process; nothing below counts
-    char address[INET_ADDRSTRLEN]; // of the multicast group, dotted
-    uint16_t port;                 // the first of the wire's ports, 1 .. URL_PORT_MAX
+    bool tcpq;                     // tcpq://: through a hub; only address and port count
+    char address[INET_ADDRSTRLEN]; // of the multicast group or the hub, dotted
+    uint16_t port;                 // the first of the wire's ports, 1 .. URL_PORT_MAX; or the hub's
     uint8_t ttl;                   // routers a message may cross; 0 keeps it on this machine
     int32_t receive_buffer;        // asked of the kernel [bytes]
 };
@@ -33,12 +35,15 @@ struct url {
 // Errors: STATUS_INVALID with what would be right.
 enum status url_parse(struct url *url, const char *text, struct error *error) MUST_USE;
 
+// Whether messages can leave this machine.
+bool url_leaves_machine(const struct url *url);
+
 // Writes the URL for LCM of the port `index` places after the first; returns `text`. It asks for a
 // receive buffer that no kernel grants: LCM's warning of that is where guard.h puts its filter on
 // the socket, and sets the buffer to what this URL asks for.
 const char *url_lcm(const struct url *url, unsigned index, char text[URL_LCM_SIZE]);
 
-// Socket address of that port of the group.
+// Socket address of that port of the group, or of the hub (index 0).
 struct sockaddr_in url_socket_address(const struct url *url, unsigned index);
 
 #endif

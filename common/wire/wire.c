@@ -6,6 +6,7 @@
 #include "common/wire/check.h"
 #include "common/wire/door.h"
 #include "common/wire/guard.h"
+#include "common/wire/link.h"
 #include "common/wire/probe.h"
 #include "common/wire/quiet.h"
 #include "common/wire/source.h"
@@ -79,6 +80,8 @@ static void close_ports(struct wire *wire)
 {
     for (unsigned i = 0; i < WIRE_PORT_COUNT; i++)
         close_port(wire, &wire->ports[i]);
+    link_close(wire->link);
+    wire->link = NULL;
     wire->queued = 0;
 }
 
@@ -99,9 +102,22 @@ static enum status open_port(struct wire *wire, unsigned index, struct error *er
     return STATUS_OK;
 }
 
+static void on_link(void *user, const char *channel, const uint8_t *data, size_t size);
+
+static enum status open_link(struct wire *wire, struct error *error)
+{
+    struct sockaddr_in hub = url_socket_address(&wire->url, 0);
+    enum status status = link_open(&wire->link, &hub, on_link, wire, error);
+    if (status == STATUS_OK)
+        link_wait(wire->link, LINK_OPEN_WAIT_MS);
+    return status;
+}
+
 static enum status open_ports(struct wire *wire, struct error *error)
 {
     enum status status = STATUS_OK;
+    if (wire->url.tcpq)
+        return open_link(wire, error);
     if (!wire->url.memq)
         status = probe_route(&wire->url, error);
     for (unsigned i = 0; i < port_count(wire) && status == STATUS_OK; i++)
@@ -202,23 +218,39 @@ void wire_take(struct wire_slot *slot, enum check_result result, union codec_mes
     codec_release(slot->kind, received);
 }
 
-static void receive(const lcm_recv_buf_t *received, const char *channel, void *user)
+static void receive_packet(struct wire_slot *slot, const uint8_t *packet, size_t size)
 {
-    struct wire_slot *slot = user;
     union codec_message message;
-    (void)channel; // LCM's subscription is for the slot's channel exactly
     if (slot->wire->key != NULL)
-        door_receive(slot, received->data, received->data_size);
-    else if (seal_is(received->data, received->data_size))
+        door_receive(slot, packet, size);
+    else if (seal_is(packet, size))
         wire_stranger(slot->wire, slot->kind, STRANGER_SEALED);
     else
-        wire_take(slot, check_packet(slot->kind, received->data, received->data_size, &message),
-                  &message);
+        wire_take(slot, check_packet(slot->kind, packet, size, &message), &message);
+}
+
+static void receive(const lcm_recv_buf_t *received, const char *channel, void *user)
+{
+    (void)channel; // LCM's subscription is for the slot's channel exactly
+    receive_packet(user, received->data, received->data_size);
+}
+
+// From the hub, which may send what nobody subscribed to.
+static void on_link(void *user, const char *channel, const uint8_t *data, size_t size)
+{
+    struct wire *wire = user;
+    for (enum wire_kind kind = 0; kind < WIRE_KIND_COUNT; kind++)
+        if (wire->slots[kind].handler != NULL && strcmp(channel, check_kind(kind)->channel) == 0)
+            receive_packet(&wire->slots[kind], data, size);
 }
 
 static enum status subscribe(struct wire *wire, enum wire_kind kind, struct error *error)
 {
     const struct check_kind *layout = check_kind(kind);
+    if (wire->link != NULL) {
+        link_subscribe(wire->link, layout->channel);
+        return STATUS_OK;
+    }
     enum status status = listen_port(wire, wire->url.memq ? 0 : layout->port, error);
     if (status != STATUS_OK)
         return status;
@@ -257,6 +289,8 @@ enum status wire_overhear(struct wire *wire, enum wire_kind kind, wire_handler *
 size_t wire_descriptors(const struct wire *wire, int descriptors[WIRE_PORT_COUNT])
 {
     size_t count = 0;
+    if (wire->link != NULL)
+        descriptors[count++] = link_descriptor(wire->link);
     for (unsigned i = 0; i < WIRE_PORT_COUNT; i++)
         if (wire->ports[i].listening)
             descriptors[count++] = lcm_get_fileno(wire->ports[i].lcm);
@@ -293,7 +327,9 @@ size_t wire_dispatch(struct wire *wire, size_t limit)
     wire->dispatching = true;
     if (wire->door != NULL)
         door_tick(wire, clock_monotonic_ns());
-    while (handled < limit && round > 0) {
+    if (wire->link != NULL)
+        handled = link_dispatch(wire->link, limit);
+    while (wire->link == NULL && handled < limit && round > 0) {
         round = handle_round(wire, limit - handled);
         handled += round;
     }
@@ -313,8 +349,12 @@ enum status wire_send(struct wire *wire, enum wire_kind kind, size_t size)
     struct wire_port *port = port_of(wire, kind);
     bool queues = wire->url.memq && wire->slots[kind].handler != NULL;
     bool full = queues && wire->queued >= QUEUE_CAPACITY;
-    if (port->lcm == NULL || full ||
-        lcm_publish(port->lcm, check_kind(kind)->channel, wire->packet, (unsigned)size) != 0) {
+    const char *channel = check_kind(kind)->channel;
+    bool sent = wire->link != NULL
+                    ? link_send(wire->link, channel, wire->packet, size)
+                    : port->lcm != NULL && !full &&
+                          lcm_publish(port->lcm, channel, wire->packet, (unsigned)size) == 0;
+    if (!sent) {
         wire->counters.failed++;
         return STATUS_NETWORK;
     }
@@ -432,6 +472,10 @@ enum status wire_reopen(struct wire *wire, struct error *error)
     assert(!wire->dispatching);
     if (wire->url.memq)
         return STATUS_OK;
+    if (wire->link != NULL) {
+        link_reopen(wire->link);
+        return STATUS_OK;
+    }
     close_ports(wire);
     wire->counters.buffer_size = 0;
     enum status status = open_ports(wire, error);
@@ -443,9 +487,14 @@ enum status wire_reopen(struct wire *wire, struct error *error)
     return status;
 }
 
+bool wire_connected(const struct wire *wire)
+{
+    return wire->link == NULL || link_is_up(wire->link);
+}
+
 bool wire_leaves_machine(const struct wire *wire)
 {
-    return !wire->url.memq && wire->url.ttl > 0;
+    return url_leaves_machine(&wire->url);
 }
 
 void wire_counters(struct wire *wire, struct wire_counters *counters)

@@ -1,5 +1,6 @@
-// LCM as sobox uses it (design.md section 6): one object over memq:// inside a process or udpm://
-// between processes and machines, with the same messages and the same code.
+// LCM as sobox uses it (design.md section 6): one object over memq:// inside a process, udpm://
+// between processes and machines, or tcpq:// through a hub where there is no multicast, with the
+// same messages and the same code.
 //
 //   port         channel                                       from         to
 //   P   batches  SOBOX_BATCH SOBOX_DESIGNS SOBOX_TEXT          coordinator  workers
@@ -8,7 +9,8 @@
 //
 // P is the port of the URL. Three ports, because LCM 1.3.1 keeps groups apart by port only and
 // every listener of a port costs each sender; a port is opened for listening only when one of its
-// channels is subscribed to. With memq:// all channels share the one queue.
+// channels is subscribed to. With memq:// all channels share the one queue, with tcpq:// the one
+// connection; the hub passes on only what is subscribed to.
 //
 // A received packet is borrowed bytes until proven: size within the channel's limits, fingerprint
 // and protocol of this version, the tag behind the encoded message right (or, where a key is
@@ -51,8 +53,9 @@ enum wire_kind {
 };
 
 struct wire_settings {
-    const char *url; // memq:// or udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES
-    uint32_t mtu;    // [bytes] greatest message with its tag, WIRE_MTU_DEFAULT .. WIRE_MTU_MAX
+    // memq://, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES or tcpq://ADDRESS:PORT.
+    const char *url;
+    uint32_t mtu; // [bytes] greatest message with its tag, WIRE_MTU_DEFAULT .. WIRE_MTU_MAX
     // Seals every message; those without it are not listened to. Borrowed until wire_close(). NULL:
     // messages travel in clear, with a checksum.
     const struct key *key;
@@ -71,7 +74,7 @@ struct wire_counters {
     uint64_t lost;        // gaps in the senders' sequences
     uint64_t dropped;     // datagrams the kernel dropped: for want of buffer, or by the filter
     uint32_t buffer_size; // receive buffer the kernel granted [bytes]; least over the open ports;
-                          // 0 with memq://
+                          // 0 with memq:// and tcpq://
     int32_t foreign_protocol; // version of the last foreign message
 };
 
@@ -86,11 +89,12 @@ struct wire_settings wire_settings_default(void);
 
 // Opens the wire. `sender` is this process's random number (not 0). Messages from the process
 // itself are delivered too: over memq:// they are all there is. Complements the URL's options where
-// they are missing (ttl=0, a generous recv_buf_size). Errors: STATUS_INVALID (URL that is not
-// memq:// or udpm://ADDRESS:PORT, port above 65533, not a multicast address, mtu out of range),
-// STATUS_NETWORK (no multicast route: the text names the remedy; port in use by a program that does
-// not share it; self test failed). With a key it listens on the status port from the start, and
-// others hear it only if it is dispatched: they ask for a proof that it is there.
+// they are missing (ttl=0, a generous recv_buf_size). A hub that is not there is waited for, with a
+// note; until then publishing fails. Errors: STATUS_INVALID (URL that is not memq://,
+// udpm://ADDRESS:PORT or tcpq://ADDRESS:PORT, port above 65533, not a multicast address, mtu out of
+// range), STATUS_NETWORK (no multicast route: the text names the remedy; port in use by a program
+// that does not share it; self test failed). With a key it listens on the status port from the
+// start, and others hear it only if it is dispatched: they ask for a proof that it is there.
 enum status wire_open(struct wire **wire, const struct wire_settings *settings, uint64_t sender,
                       struct error *error) MUST_USE;
 
@@ -131,14 +135,18 @@ uint64_t wire_heard(const struct wire *wire);
 
 // Closes LCM and opens it anew with the same subscriptions: after a route or an interface changed,
 // LCM stays deaf without saying so. memq:// is left alone. After a failure the wire is silent and
-// deaf (publishing gives STATUS_NETWORK) until another call succeeds.
+// deaf (publishing gives STATUS_NETWORK) until another call succeeds. A lost hub needs no such
+// call.
 enum status wire_reopen(struct wire *wire, struct error *error) MUST_USE;
+
+// Whether what is sent has somewhere to go: false while the hub of tcpq:// is away.
+bool wire_connected(const struct wire *wire);
 
 // The greatest number of payload bytes (bounds, packed verdicts, text piece, values) that a message
 // of `kind` can carry within the mtu.
 size_t wire_payload_max(const struct wire *wire, enum wire_kind kind);
 
-// Whether messages can leave this machine: udpm:// with ttl above 0.
+// Whether messages can leave this machine: udpm:// with ttl above 0, tcpq:// to another machine.
 bool wire_leaves_machine(const struct wire *wire);
 
 void wire_counters(struct wire *wire, struct wire_counters *counters);

@@ -4,6 +4,7 @@
 
 #include "common/wire/check.h"
 #include "common/wire/key.h"
+#include "common/wire/link.h"
 #include "common/wire/sequence.h"
 #include "common/wire/stranger.h"
 #include "common/wire/tag.h"
@@ -39,6 +40,7 @@ struct wire {
     const struct key *key; // borrowed; NULL: messages travel in clear
     struct door *door;     // NULL without a key
     struct wire_port ports[WIRE_PORT_COUNT];
+    struct link *link; // to the hub of tcpq://, for all kinds; else NULL, and the ports are in use
     struct wire_slot slots[WIRE_KIND_COUNT];
     struct wire_counters counters;
     struct sequence *heard;

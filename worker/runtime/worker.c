@@ -115,11 +115,12 @@ static void greet(struct worker *worker)
 }
 
 // LCM goes deaf without a word when the multicast route changes. A worker hears its own status as
-// long as all is well.
+// long as all is well. (A hub that is away is waited for by the wire itself.)
 static void reopen_when_deaf(struct worker *worker)
 {
     uint64_t heard = wire_heard(worker->wire);
-    worker->deaf_seconds = heard == worker->heard ? worker->deaf_seconds + 1 : 0;
+    bool deaf = heard == worker->heard && wire_connected(worker->wire);
+    worker->deaf_seconds = deaf ? worker->deaf_seconds + 1 : 0;
     worker->heard = heard;
     if (worker->deaf_seconds < DEAF_SECONDS_MAX)
         return;

@@ -21,6 +21,22 @@ static void complete_and_short_urls_are_read(void **state)
     assert_int_equal(url.receive_buffer, 1000000);
 }
 
+// Through a hub everything goes over one connection; what stays on this machine is told from what
+// leaves it, where a key is advised.
+static void hubs_are_read(void **state)
+{
+    (void)state;
+    struct url url;
+    char text[URL_LCM_SIZE];
+    assert_int_equal(url_parse(&url, "tcpq://192.168.1.10:65535", NULL), STATUS_OK);
+    assert_true(url.tcpq && !url.memq);
+    assert_int_equal(url.port, 65535);
+    assert_string_equal(url_lcm(&url, 0, text), "tcpq://192.168.1.10:65535");
+    assert_true(url_leaves_machine(&url));
+    assert_int_equal(url_parse(&url, "tcpq://127.0.0.1:7700", NULL), STATUS_OK);
+    assert_false(url_leaves_machine(&url));
+}
+
 // Each of these is accepted by LCM and then does not work, or is a slip of the pen; the message
 // names the URL and what is wrong.
 static void unusable_urls_are_refused(void **state)
@@ -34,7 +50,19 @@ static void unusable_urls_are_refused(void **state)
         {"memq://x", "expected memq://"},
         {"udpm:/239.255.76.67:7667", "expected memq://"},
         {"mpudpm://239.255.76.67:7667", "expected memq://"},
-        {"tcpq://127.0.0.1:7700", "expected memq://"},
+        {"tcp://127.0.0.1:7700", "expected memq://"},
+        {"tcpq://", "port is missing"},
+        {"tcpq://127.0.0.1", "port is missing"},
+        {"tcpq://127.0.0.1:", "port ''"},
+        {"tcpq://127.0.0.1:0", "port '0'"},
+        {"tcpq://127.0.0.1:65536", "expected a number from 1 to 65535"},
+        {"tcpq://hub.example:7700", "'hub.example' is no address of a hub: expected numbers"},
+        {"tcpq://localhost:7700", "LCM takes any name for this machine"},
+        {"tcpq://:7700", "no address of a hub"},
+        {"tcpq://0.0.0.0:7700", "no address of a hub"},
+        {"tcpq://127.0.0.1.1.1.1.1.1:7700", "no address of a hub"},
+        {"tcpq://239.255.76.67:7667", "expected udpm:// before it"},
+        {"tcpq://127.0.0.1:7700?ttl=1", "tcpq:// has no options"},
         {"udpm://", "port is missing"},
         {"udpm://239.255.76.67", "port is missing"},
         {"udpm://239.255.76.67?ttl=1", "port is missing"},
@@ -74,6 +102,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(complete_and_short_urls_are_read),
+        cmocka_unit_test(hubs_are_read),
         cmocka_unit_test(unusable_urls_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -251,9 +251,9 @@ static void unusable_settings_are_refused(void **state)
     (void)state;
     struct wire *wire = NULL;
     struct error error;
-    struct wire_settings settings = {.url = "tcpq://127.0.0.1:7700", .mtu = WIRE_MTU_DEFAULT};
+    struct wire_settings settings = {.url = "tcpq://localhost:7700", .mtu = WIRE_MTU_DEFAULT};
     assert_int_equal(wire_open(&wire, &settings, 1, &error), STATUS_INVALID);
-    assert_non_null(strstr(error.text, "tcpq://127.0.0.1:7700"));
+    assert_non_null(strstr(error.text, "tcpq://localhost:7700"));
     settings = (struct wire_settings){.url = "memq://", .mtu = WIRE_MTU_MAX + 1};
     assert_int_equal(wire_open(&wire, &settings, 1, &error), STATUS_INVALID);
     settings.mtu = 100;
