@@ -2,7 +2,7 @@
 # The guard of a header is its path: common/base/error.h is guarded by SOBOX_COMMON_BASE_ERROR_H,
 # so that no two headers can share one.
 set -eu
-find common worker coordinator monitor tests -name '*.h' | sort | {
+find common worker coordinator monitor hub tests -name '*.h' | sort | {
     wrong=0
     while read -r header; do
         guard=SOBOX_$(printf '%s' "$header" | tr 'a-z/.-' 'A-Z___')

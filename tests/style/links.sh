@@ -5,8 +5,8 @@
 # Folders that compute and decide include nothing that reaches clock, files, processes or network.
 set -eu
 {
-    find common worker coordinator monitor -name CMakeLists.txt
-    find common worker coordinator monitor -name '*.[ch]' | sort
+    find common worker coordinator monitor hub -name CMakeLists.txt
+    find common worker coordinator monitor hub -name '*.[ch]' | sort
 } | xargs awk '
     function folder_of(path) {
         return match(path, "/[^/]*$") ? substr(path, 1, RSTART - 1) : "."
@@ -73,7 +73,7 @@ set -eu
         }
         if (header in library && !index(known, "|" library[header] "|"))
             complain(header ": the link line does not reach " library[header])
-        if (header ~ /^(common|worker|coordinator|monitor)\// && !(header in plain)) {
+        if (header ~ /^(common|worker|coordinator|monitor|hub)\// && !(header in plain)) {
             target = folder_of(header)
             if (!index(known, "|" own[target] "|"))
                 complain(header ": the link line does not reach " target)
