@@ -202,7 +202,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Start N worker processes on this machine", "N"},
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
          "Use the workers that listen on this LCM URL, for instance "
-         "udpm://239.255.76.67:7667?ttl=1",
+         "udpm://239.255.76.67:7667?ttl=1, or that share this hub, tcpq://ADDRESS:PORT",
          "LCM_URL"},
         {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
          "Seal all messages with the key in this file, the same for all workers and monitors",

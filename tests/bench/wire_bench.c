@@ -1,6 +1,6 @@
-// What a message costs, in clear and sealed, inside a process and over loopback multicast. Prints
-// CSV; arguments: none. Runs under tests/netns, so that it finds a multicast route and disturbs
-// nobody.
+// What a message costs, in clear and sealed, inside a process, over loopback multicast and, given
+// the URL of a hub as argument (tcpq://ADDRESS:PORT, without a key), through that. Prints CSV. Runs
+// under tests/netns, so that it finds a multicast route and disturbs nobody.
 //
 //     transport,key,message,bytes,publish_us,dispatch_us,there_us
 //
@@ -200,7 +200,7 @@ static void measure_first(const char *transport, const char *url, const struct k
     printf("%s,%s,first_status,,,,%.2f\n", transport, key != NULL ? "yes" : "no", there_us);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     static const uint8_t bytes[KEY_SIZE] = {1, 2, 3};
     log_start("wire_bench", LOG_NORMAL);
@@ -215,6 +215,8 @@ int main(void)
             measure("udpm", URL, keys[k], &messages[i]);
         measure_first("udpm", URL, keys[k]);
     }
+    for (size_t i = 0; argc == 2 && i < sizeof messages / sizeof messages[0]; i++)
+        measure("hub", argv[1], NULL, &messages[i]);
     key_free(key);
     return 0;
 }
