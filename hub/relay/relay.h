@@ -30,7 +30,7 @@
 #define RELAY_FRAME_NS INT64_C(30000000000)
 
 enum {
-    RELAY_PATTERNS_MAX = 64, // subscriptions of a client; a sobox program has eight
+    RELAY_PATTERNS_MAX = 64, // subscriptions of a client; a sobox program has ten at most
     RELAY_ROUTES_MAX = 256,  // channels of which it is remembered who wants them
     RELAY_NAME_SIZE = 32,    // [bytes] of a client's name, "192.168.1.10:41234"
 };
