@@ -2,8 +2,8 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
-#include "common/base/watch.h"
 #include "common/wire/source.h"
+#include "coordinator/runtime/deadline.h"
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/texts.h"
@@ -25,8 +25,6 @@
 #include <glib.h>
 #include <math.h>
 #include <string.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 enum {
     OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
@@ -64,9 +62,8 @@ struct coordinator {
     struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
     GSource *opener;         // runs once to see whether another search may be opened
     GMainLoop *loop;
-    int wake;           // a timer for the schedule's next deadline
-    int64_t wake_ns;    // which it is set to; INT64_MAX: to none
-    int64_t waiting_ns; // since when no worker is there; 0 while there is one
+    struct deadline *wake; // of the schedule
+    int64_t waiting_ns;    // since when no worker is there; 0 while there is one
     bool wait_said;
     guint abandoned;    // a timer, once all local workers have ended; 0 before
     enum status status; // why the loop ended
@@ -114,21 +111,6 @@ static void send_batch(struct coordinator *coordinator, uint64_t worker,
     (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
 }
 
-// Sets the timer for the next deadline. GLib's own timers count in milliseconds, in which two steps
-// of a cheap model are done.
-static void set_wake(struct coordinator *coordinator, int64_t wake_ns)
-{
-    if (wake_ns == coordinator->wake_ns)
-        return;
-    coordinator->wake_ns = wake_ns;
-    struct itimerspec when = {0}; // never
-    if (wake_ns != INT64_MAX)
-        when.it_value = (struct timespec){.tv_sec = wake_ns / CLOCK_SECOND_NS,
-                                          .tv_nsec = wake_ns % CLOCK_SECOND_NS};
-    const int set = timerfd_settime(coordinator->wake, TFD_TIMER_ABSTIME, &when, NULL);
-    assert(set == 0);
-}
-
 static void carry_out(struct coordinator *coordinator)
 {
     const struct schedule_effects *effects = &coordinator->effects;
@@ -152,7 +134,7 @@ static void carry_out(struct coordinator *coordinator)
             break;
         }
     }
-    set_wake(coordinator, effects->wake_ns);
+    deadline_set(coordinator->wake, effects->wake_ns);
 }
 
 static void schedule_take(struct coordinator *coordinator, struct schedule_event *event)
@@ -489,16 +471,9 @@ static void heard_text_request(void *user, enum wire_kind kind, const void *byte
 
 // ---- Timers ----
 
-static gboolean woken(gint descriptor, GIOCondition condition, gpointer user)
+static void woken(void *user)
 {
-    (void)condition;
-    struct coordinator *coordinator = user;
-    uint64_t expirations;
-    if (read(descriptor, &expirations, sizeof expirations) < 0)
-        return G_SOURCE_CONTINUE; // set anew since it rang
-    coordinator->wake_ns = INT64_MAX;
-    schedule_take(coordinator, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
-    return G_SOURCE_CONTINUE;
+    schedule_take(user, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
 }
 
 // Says for what the coordinator waits when no worker is there, once per wait.
@@ -677,16 +652,15 @@ static void timed_source_end(GSource *source)
 static void loop(struct coordinator *coordinator)
 {
     coordinator->opener = timed_source(coordinator, opening);
-    guint timers[6] = {
+    guint timers[5] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
         g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
         g_unix_signal_add(SIGINT, interrupted, coordinator),
         g_unix_signal_add(SIGTERM, interrupted, coordinator),
-        watch_add(coordinator->wake, woken, coordinator),
     };
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)
-        timers[5] =
+        timers[4] =
             g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
 
     publish_run_status(coordinator, RUN_STATE_RUNNING);
@@ -720,11 +694,10 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         .ready = G_QUEUE_INIT,
         .opening = opening_default(),
         .loop = g_main_loop_new(NULL, FALSE),
-        .wake = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC),
-        .wake_ns = INT64_MAX,
         .error = error,
     };
-    assert(coordinator.wake >= 0);
+    coordinator.wake = deadline_create(woken, &coordinator);
+    assert(coordinator.wake != NULL);
     if (settings->children != NULL)
         children_watch(settings->children, child_ended, &coordinator);
 
@@ -749,7 +722,7 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
     wire_source_detach(wire);
     g_queue_clear(&coordinator.ready);
     g_main_loop_unref(coordinator.loop);
-    close(coordinator.wake);
+    deadline_free(coordinator.wake);
     schedule_effects_fini(&coordinator.effects);
     schedule_free(coordinator.schedule);
     texts_free(coordinator.texts);

@@ -13,9 +13,9 @@
 // the machine disturbs it less than the clock on the wall.
 #include "common/base/clock.h"
 #include "common/base/log.h"
-#include "common/base/watch.h"
 #include "common/scenario/scenario_read.h"
 #include "common/wire/source.h"
+#include "coordinator/runtime/deadline.h"
 #include "coordinator/runtime/texts.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/batch.h"
@@ -30,7 +30,6 @@
 #include "sobox_worker_status_t.h"
 
 #include <assert.h>
-#include <glib-unix.h>
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <pthread.h>
@@ -39,7 +38,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/timerfd.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -83,7 +81,7 @@ struct bench {
     struct schedule_effects effects;
     struct texts *texts;
     struct digest fingerprint;
-    int wake;
+    struct deadline *wake;
     // The load at hand.
     struct scenario scenario;
     double bounds[BOUNDS_MAX];
@@ -190,17 +188,6 @@ static void send_batch(struct bench *bench, uint64_t worker, const struct schedu
     (void)!wire_publish(bench->wire, WIRE_SAMPLE_BATCH, &message); // lost: the lease brings it back
 }
 
-static void set_wake(struct bench *bench, int64_t wake_ns)
-{
-    struct itimerspec when = {0}; // never
-    if (wake_ns != INT64_MAX)
-        when.it_value = (struct timespec){.tv_sec = wake_ns / CLOCK_SECOND_NS,
-                                          .tv_nsec = wake_ns % CLOCK_SECOND_NS};
-    const int set = timerfd_settime(bench->wake, TFD_TIMER_ABSTIME, &when, NULL);
-    assert(set == 0);
-    (void)set;
-}
-
 static void take(struct bench *bench, struct schedule_event *event)
 {
     event->now_ns = clock_monotonic_ns();
@@ -215,7 +202,7 @@ static void take(struct bench *bench, struct schedule_event *event)
         else if (effect->kind == SCHEDULE_EFFECT_STEP)
             bench->sampling = false;
     }
-    set_wake(bench, bench->effects.wake_ns);
+    deadline_set(bench->wake, bench->effects.wake_ns);
 }
 
 static void heard_outcome(void *user, enum wire_kind kind, const void *received)
@@ -292,14 +279,11 @@ static void heard_request(void *user, enum wire_kind kind, const void *received)
     }
 }
 
-static gboolean woken(gint descriptor, GIOCondition condition, gpointer user)
+static void woken(void *user)
 {
-    (void)condition;
     struct bench *bench = user;
-    uint64_t expirations;
-    if (read(descriptor, &expirations, sizeof expirations) > 0 && bench->schedule != NULL)
+    if (bench->schedule != NULL)
         take(bench, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
-    return G_SOURCE_CONTINUE;
 }
 
 // Without it nothing would wake a main loop in which everybody waits for something lost.
@@ -685,7 +669,6 @@ int main(int argc, char **argv)
         .run = (uint64_t)clock_monotonic_ns() | 1,
         .texts = texts_create(),
         .fingerprint = fingerprint_compute(),
-        .wake = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC),
     };
     // Children first: LCM's own thread and descriptors are nothing for them to inherit.
     char parent[16];
@@ -703,7 +686,7 @@ int main(int argc, char **argv)
     expect_ok(wire_subscribe(bench.wire, WIRE_WORKER_STATUS, heard_worker, &bench, &error), &error);
     expect_ok(wire_subscribe(bench.wire, WIRE_TEXT_REQUEST, heard_request, &bench, &error), &error);
     wire_source_attach(bench.wire);
-    (void)!watch_add(bench.wake, woken, &bench);
+    bench.wake = deadline_create(woken, &bench);
     g_timeout_add_seconds(1, each_second, NULL);
 
     if (wanted(group, "step"))
@@ -723,6 +706,6 @@ int main(int argc, char **argv)
     }
     schedule_effects_fini(&bench.effects);
     texts_free(bench.texts);
-    close(bench.wake);
+    deadline_free(bench.wake);
     return 0;
 }
