@@ -16,6 +16,10 @@ enum {
     SEARCH_PHASE_COUNT = 5,      // enum search_phase (coordinator/search/search.h)
     SEARCH_STATUS_COUNT = 4,     // enum search_status (same)
     RUN_STATE_COUNT = 5,         // see run_status_t.lcm
+    STANDING_COUNT = 4,          // see search_status_t.lcm
+    VARIABLE_MAX = 4096,         // SCENARIO_VARIABLE_MAX
+    CASE_COLUMN_MAX = 65,        // a name and SWEEP_COLUMN_MAX values
+    BOUND_SIZES = 4 * 8,         // [bytes] a variable: lower and upper of two boxes
 };
 
 // Elements of `unit` bytes that fit the largest message of this fixed size.
@@ -29,7 +33,9 @@ static const struct check_kind kinds[WIRE_KIND_COUNT] = {
     [WIRE_TEXT_REQUEST] = {"SOBOX_TEXT_REQUEST", 1, 52, 0, 0},
     [WIRE_WORKER_STATUS] = {"SOBOX_WORKER", 2, 177, 0, 0},
     [WIRE_RUN_STATUS] = {"SOBOX_RUN", 2, 193, 0, 0},
-    [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 98, 8, COUNT_MAX(98, 8)},
+    [WIRE_SEARCH_STATUS] = {"SOBOX_SEARCH", 2, 107, 8, COUNT_MAX(107, 8)},
+    [WIRE_STEP_STATUS] = {"SOBOX_STEP", 2, 95, 1, COUNT_MAX(95, 1)},
+    [WIRE_CASES] = {"SOBOX_CASES", 2, 44, 1, COUNT_MAX(44, 1)},
     [WIRE_HAIL] = {"SOBOX_HAIL", 2, 88, 0, 0},
     [WIRE_DESIGN_BATCH] = {"SOBOX_DESIGNS", 0, 84, 8, COUNT_MAX(84, 8)},
     [WIRE_VALUE_BATCH] = {"SOBOX_VALUES", 1, 72, 8, COUNT_MAX(72, 8)},
@@ -91,7 +97,7 @@ static bool share_ok(double share)
 // Names are shown on terminals and in browsers: UTF-8 without control characters.
 static bool name_ok(const uint8_t *name, size_t size)
 {
-    const uint8_t *end = memchr(name, '\0', size);
+    const uint8_t *end = size > 0 ? memchr(name, '\0', size) : NULL;
     if (end == NULL || !g_utf8_validate((const char *)name, end - name, NULL))
         return false;
     for (const char *at = (const char *)name; *at != '\0'; at = g_utf8_next_char(at))
@@ -173,8 +179,44 @@ static bool search_status_ok(const sobox_search_status_t *m)
 {
     return NOT_NEGATIVE(m->search, m->step, m->step_count, m->evaluations) && m->phase >= 0 &&
            m->phase < SEARCH_PHASE_COUNT && m->status >= 0 && m->status < SEARCH_STATUS_COUNT &&
-           share_ok(m->good_share) && share_ok(m->purity_lower95) && m->log_volume <= 0.0 &&
+           m->standing >= 0 && m->standing < STANDING_COUNT && m->variables >= 0 &&
+           m->variables <= VARIABLE_MAX && m->first_variable >= 0 && m->bound_count >= 0 &&
+           m->first_variable <= m->variables - m->bound_count / 2 && share_ok(m->good_share) &&
+           share_ok(m->purity_lower95) && m->log_volume <= 0.0 &&
            bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SEARCH_STATUS].count_max);
+}
+
+// Bounds and verdicts are looked at when the step is put together (monitor/feed/step.h); here, that
+// their bytes are there.
+static bool step_status_ok(const sobox_step_status_t *m)
+{
+    if (!NOT_NEGATIVE(m->search, m->step, m->good, m->count, m->first_variable) || m->phase < 0 ||
+        m->phase >= SEARCH_PHASE_COUNT || m->sampling < 0 || m->sampling >= SAMPLING_COUNT ||
+        m->detail < 0 || m->detail >= VERDICT_DETAIL_COUNT || m->samples < 1 ||
+        m->good > m->samples || m->count > m->samples || m->count > SAMPLES_MAX ||
+        m->variables < 1 || m->variables > VARIABLE_MAX || m->window < 1 ||
+        m->window > m->variables || m->first_variable > m->variables - m->window ||
+        m->packed_size > kinds[WIRE_STEP_STATUS].count_max)
+        return false;
+    const int64_t verdicts = (int64_t)m->packed_size - (int64_t)m->window * BOUND_SIZES;
+    const size_t greatest =
+        m->count > 0 ? verdict_packed_size_max((uint32_t)m->count, (enum verdict_detail)m->detail)
+                     : 0;
+    return verdicts >= (m->count + 7) / 8 && (size_t)verdicts <= greatest;
+}
+
+static bool cases_ok(const sobox_cases_t *m)
+{
+    if (m->first < -1 || m->columns < 1 || m->columns > CASE_COLUMN_MAX || m->text_size < 1 ||
+        m->text_size > kinds[WIRE_CASES].count_max)
+        return false;
+    int32_t texts = 0;
+    for (int32_t at = 0; at < m->text_size; texts++) {
+        if (!name_ok(m->text + at, (size_t)(m->text_size - at)))
+            return false;
+        at += (int32_t)strlen((const char *)m->text + at) + 1;
+    }
+    return texts % m->columns == 0 && (m->first >= 0 || texts == m->columns);
 }
 
 static bool hail_ok(const sobox_hail_t *m)

@@ -1,15 +1,17 @@
-// One name for the ten generated encoders and decoders: the message's kind.
+// One name for the twelve generated encoders and decoders: the message's kind.
 #ifndef SOBOX_COMMON_WIRE_CODEC_H
 #define SOBOX_COMMON_WIRE_CODEC_H
 
 #include "common/wire/wire.h"
 
+#include "sobox_cases_t.h"
 #include "sobox_design_batch_t.h"
 #include "sobox_hail_t.h"
 #include "sobox_outcome_batch_t.h"
 #include "sobox_run_status_t.h"
 #include "sobox_sample_batch_t.h"
 #include "sobox_search_status_t.h"
+#include "sobox_step_status_t.h"
 #include "sobox_text_request_t.h"
 #include "sobox_text_t.h"
 #include "sobox_value_batch_t.h"
@@ -24,6 +26,8 @@
     X(WIRE_WORKER_STATUS, worker_status) \
     X(WIRE_RUN_STATUS, run_status)       \
     X(WIRE_SEARCH_STATUS, search_status) \
+    X(WIRE_STEP_STATUS, step_status)     \
+    X(WIRE_CASES, cases)                 \
     X(WIRE_HAIL, hail)                   \
     X(WIRE_DESIGN_BATCH, design_batch)   \
     X(WIRE_VALUE_BATCH, value_batch)

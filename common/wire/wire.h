@@ -32,7 +32,7 @@
 #include <stdint.h>
 
 enum {
-    WIRE_PROTOCOL = 1,       // version of the messages and their meaning
+    WIRE_PROTOCOL = 2,       // version of the messages and their meaning
     WIRE_MTU_DEFAULT = 1400, // [bytes] a message with its tag fits one Ethernet frame
     WIRE_MTU_MAX = 60000,    // [bytes] above this LCM would fragment
     WIRE_PORT_COUNT = 3,
@@ -46,6 +46,8 @@ enum wire_kind {
     WIRE_WORKER_STATUS, // sobox_worker_status_t
     WIRE_RUN_STATUS,    // sobox_run_status_t
     WIRE_SEARCH_STATUS, // sobox_search_status_t
+    WIRE_STEP_STATUS,   // sobox_step_status_t
+    WIRE_CASES,         // sobox_cases_t
     WIRE_HAIL,          // sobox_hail_t; between the wires themselves, where a key is shared
     WIRE_DESIGN_BATCH,  // sobox_design_batch_t
     WIRE_VALUE_BATCH,   // sobox_value_batch_t

@@ -247,6 +247,34 @@ static void fields_out_of_range_are_rejected(void **state)
     SEARCH(log_volume, NAN);
     SEARCH(log_volume, 1e-9);
     SEARCH(purity_lower95, -0.1);
+    SEARCH(standing, 4);
+    SEARCH(variables, -1);
+    SEARCH(variables, 4097);
+    SEARCH(first_variable, -1);
+    SEARCH(first_variable, 5); // three variables from there are one too many
+#define STEP(field, value) REFUSED(WIRE_STEP_STATUS, step_status, field, value)
+    STEP(search, -1);
+    STEP(phase, 5);
+    STEP(sampling, 3);
+    STEP(detail, 2);
+    STEP(samples, 0);
+    STEP(samples, 15); // sixteen are told of
+    STEP(good, 201);
+    STEP(count, -1);
+    STEP(count, 0); // then no verdicts are expected
+    STEP(count, 8); // eight verdicts have not so many bytes
+    STEP(variables, 6);
+    STEP(variables, 4097);
+    STEP(first_variable, 6);
+    STEP(window, 0);
+    STEP(window, 1);
+    STEP(window, 1 << 30);
+#define CASES(field, value) REFUSED(WIRE_CASES, cases, field, value)
+    CASES(first, -2);
+    CASES(first, -1); // two cases are not one row of paths
+    CASES(columns, 0);
+    CASES(columns, 3); // four texts are no whole number of cases
+    CASES(columns, 66);
 #define DESIGNS(field, value) REFUSED(WIRE_DESIGN_BATCH, design_batch, field, value)
     DESIGNS(holder, 0);
     DESIGNS(search, -1);
@@ -321,6 +349,14 @@ static void broken_names_are_rejected(void **state)
         message_make(WIRE_WORKER_STATUS, &message);
         memcpy(message.worker_status.host, names[i], strlen(names[i]) + 1);
         assert_field_refused(WIRE_WORKER_STATUS, &message);
+    }
+    // An escape, no UTF-8, a text without an end.
+    static uint8_t cases[][4] = {"a\0\x1b", "a\0\xff", {'a', '\0', 'b', 'c'}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        message_make(WIRE_CASES, &message);
+        message.cases.text = cases[i];
+        message.cases.text_size = sizeof cases[i];
+        assert_field_refused(WIRE_CASES, &message);
     }
     message_make(WIRE_RUN_STATUS, &message);
     memset(message.run_status.name, 'x', sizeof message.run_status.name);

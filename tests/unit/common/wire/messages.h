@@ -19,10 +19,12 @@ enum {
     MESSAGE_BOUND_COUNT = 6,
     MESSAGE_PACKED_SIZE = 25,
     MESSAGE_PIECE_SIZE = 40,
+    MESSAGE_STEP_SIZE = 2 + 3 * 14 + 2 * 32, // of 16 samples two are good
 };
 
 static double message_bounds[WIRE_MTU_MAX / 8] = {-1.0, 0.0, 5.5e3, 1.0, 0.0, 4.5e5};
 static uint8_t message_bytes[WIRE_MTU_MAX] = "springs: a piece of a scenario's text";
+static uint8_t message_cases[] = "mass=1500\0001500\000mass=1800\0001800";
 
 // Fills `message` with a valid message; arrays are borrowed from the two above.
 static inline void message_make(enum wire_kind kind, union codec_message *message)
@@ -88,8 +90,29 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
                                                          .step_count = 200,
                                                          .good_share = 1.0,
                                                          .log_volume = -7.5,
+                                                         .standing = 2,
+                                                         .variables = 7,
+                                                         .first_variable = 4,
                                                          .bound_count = MESSAGE_BOUND_COUNT,
                                                          .bounds = message_bounds};
+        break;
+    case WIRE_STEP_STATUS:
+        message->step_status = (sobox_step_status_t){.seed = -1,
+                                                     .search = 2,
+                                                     .step = 3,
+                                                     .phase = 1,
+                                                     .samples = 200,
+                                                     .good = 150,
+                                                     .count = 16,
+                                                     .variables = 7,
+                                                     .first_variable = 5,
+                                                     .window = 2,
+                                                     .packed_size = MESSAGE_STEP_SIZE,
+                                                     .packed = message_bytes};
+        break;
+    case WIRE_CASES:
+        message->cases = (sobox_cases_t){
+            .first = 5, .columns = 2, .text_size = sizeof message_cases, .text = message_cases};
         break;
     case WIRE_HAIL:
         message->hail = (sobox_hail_t){

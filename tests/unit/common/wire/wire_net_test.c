@@ -237,7 +237,7 @@ static void forged_messages_are_counted_and_dropped(void **state)
     packet_tag(WIRE_TEXT, packet, size);
     stranger_publish(stranger, WIRE_TEXT, packet, size);
     size = packet_valid(WIRE_TEXT, packet);
-    packet[11] = 2; // another version
+    packet[11] = WIRE_PROTOCOL + 1; // another version
     packet_tag(WIRE_TEXT, packet, size);
     stranger_publish(stranger, WIRE_TEXT, packet, size);
     size = packet_valid(WIRE_TEXT, packet);
@@ -246,7 +246,7 @@ static void forged_messages_are_counted_and_dropped(void **state)
     struct wire_counters counters = counters_of(wire);
     assert_int_equal(counters.rejected, 3);
     assert_int_equal(counters.foreign, 1);
-    assert_int_equal(counters.foreign_protocol, 2);
+    assert_int_equal(counters.foreign_protocol, WIRE_PROTOCOL + 1);
     assert_int_equal(counters.received, 1);
     assert_int_equal(seen.sender, MESSAGE_SENDER);
     close(stranger);
