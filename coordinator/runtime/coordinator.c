@@ -6,6 +6,7 @@
 #include "coordinator/runtime/deadline.h"
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/progress.h"
+#include "coordinator/runtime/tell.h"
 #include "coordinator/runtime/texts.h"
 #include "coordinator/runtime/trimmer.h"
 #include "coordinator/schedule/schedule.h"
@@ -13,9 +14,7 @@
 #include "worker/batch/intake.h"
 
 #include "sobox_outcome_batch_t.h"
-#include "sobox_run_status_t.h"
 #include "sobox_sample_batch_t.h"
-#include "sobox_search_status_t.h"
 #include "sobox_text_request_t.h"
 #include "sobox_text_t.h"
 #include "sobox_worker_status_t.h"
@@ -23,15 +22,12 @@
 #include <assert.h>
 #include <glib-unix.h>
 #include <glib.h>
-#include <math.h>
 #include <string.h>
 
 enum {
     OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
     STATUS_INTERVAL_MS = 1000,
-    SEARCH_STATUS_INTERVAL_MS = 100,
-    SEARCH_STATUS_BURST = 32, // searches told of at once; thousands take turns
-    TEXT_PIECES_MAX = 64,     // answered to one request; the worker asks on from there
+    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
     // A signal to the whole process group (Ctrl-C, scancel, systemctl stop) may end the local
     // workers before it reaches the coordinator, which then is interrupted and not abandoned. One
     // process hears it some milliseconds after another; on a busy machine it may be a hundred.
@@ -58,7 +54,7 @@ struct coordinator {
     struct progress progress;
     GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
     struct opening opening;
-    uint32_t told;           // the search whose turn it is to be told of
+    struct tell *tell;
     struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
     GSource *opener;         // runs once to see whether another search may be opened
     GMainLoop *loop;
@@ -144,74 +140,11 @@ static void schedule_take(struct coordinator *coordinator, struct schedule_event
     carry_out(coordinator);
 }
 
-// ---- What the coordinator tells the others ----
-
-static void publish_search_status(struct coordinator *coordinator, uint32_t index)
+static void tell_run_state(struct coordinator *coordinator, enum tell_state state)
 {
-    const struct run_search *search = coordinator->run->open[index];
-    struct search_progress progress;
-    struct search_result result;
-    search_progress(search->search, &progress);
-    search_result(search->search, &result);
-    sobox_search_status_t message = {
-        .header.run = (int64_t)coordinator->run->record.id,
-        .search = (int32_t)index,
-        .phase = (int8_t)progress.phase,
-        .status = (int8_t)result.status,
-        .step = (int32_t)progress.step,
-        .step_count = (int32_t)progress.step_count,
-        .evaluations = (int64_t)progress.evaluations,
-        .good_share = progress.good_share,
-        .log_volume = fmax(progress.log_volume, -DBL_MAX),
-        .purity_lower95 = result.purity.lower95,
-    };
-    memcpy(message.scenario, search->scenario.digest.bytes, DIGEST_SIZE);
-    const uint32_t variables = progress.box->count;
-    double *bounds = g_new(double, 2 * (size_t)variables);
-    if (2 * variables * sizeof(double) <= wire_payload_max(coordinator->wire, WIRE_SEARCH_STATUS)) {
-        memcpy(bounds, progress.box->lower, variables * sizeof(double));
-        memcpy(bounds + variables, progress.box->upper, variables * sizeof(double));
-        message.bound_count = (int32_t)(2 * variables);
-        message.bounds = bounds;
-    }
-    (void)!wire_publish(coordinator->wire, WIRE_SEARCH_STATUS, &message);
-    g_free(bounds);
-}
-
-enum run_state {
-    RUN_STATE_RUNNING,
-    RUN_STATE_WAITING,
-    RUN_STATE_DONE,
-    RUN_STATE_INTERRUPTED,
-    RUN_STATE_FAILED,
-};
-
-static void publish_run_status(struct coordinator *coordinator, enum run_state state)
-{
-    const struct run *run = coordinator->run;
-    struct schedule_counters schedule;
-    struct wire_counters wire;
-    schedule_counters(coordinator->schedule, &schedule);
-    wire_counters(coordinator->wire, &wire);
-    sobox_run_status_t message = {
-        .header.run = (int64_t)run->record.id,
-        .state = (int8_t)state,
-        .searches = (int32_t)run->record.search_count,
-        .searches_done = (int32_t)run->done_count,
-        .workers = (int32_t)schedule.workers,
-        .workers_refused = (int32_t)schedule.workers_refused,
-        .samples = (int64_t)schedule.samples_counted,
-        .batches = (int64_t)schedule.batches_counted,
-        .released = (int64_t)schedule.released,
-        .duplicates = (int64_t)schedule.duplicates,
-        .rejected = (int64_t)wire.rejected,
-        .lost = (int64_t)wire.lost,
-        .elapsed_ns = run_elapsed_ns(run, clock_monotonic_ns()),
-        .service_ns = schedule.service_ns,
-    };
-    g_strlcpy((char *)message.name, run->record.name, sizeof message.name);
-    memcpy(message.fingerprint, coordinator->fingerprint.bytes, DIGEST_SIZE);
-    (void)!wire_publish(coordinator->wire, WIRE_RUN_STATUS, &message);
+    struct schedule_counters counters;
+    schedule_counters(coordinator->schedule, &counters);
+    tell_run(coordinator->tell, state, &counters);
 }
 
 // ---- Searches ----
@@ -220,7 +153,7 @@ static void publish_run_status(struct coordinator *coordinator, enum run_state s
 static void leave(struct coordinator *coordinator, uint32_t index)
 {
     const struct scenario *scenario = &coordinator->run->open[index]->scenario;
-    publish_search_status(coordinator, index);
+    tell_end(coordinator->tell, coordinator->run->open[index]);
     texts_remove(coordinator->texts, &scenario->digest);
     opening_close(&coordinator->opening, scenario);
     run_close(coordinator->run, index);
@@ -253,6 +186,15 @@ static enum status go_on(struct coordinator *coordinator, uint32_t index)
     return STATUS_OK;
 }
 
+// The step that was trimmed goes into the journal, and then to those who watch.
+static enum status record(struct coordinator *coordinator, struct run_search *search)
+{
+    const enum status status = run_record(coordinator->run, search->index, coordinator->error);
+    if (status == STATUS_OK)
+        tell_step(coordinator->tell, search, clock_monotonic_ns());
+    return status;
+}
+
 // Moves every search that can move: those that were just opened ask for their first step, those
 // whose step is sampled are trimmed, here or in other threads.
 static enum status advance(struct coordinator *coordinator)
@@ -270,7 +212,7 @@ static enum status advance(struct coordinator *coordinator)
                 continue;
             }
             run_trim(search);
-            status = run_record(run, index, coordinator->error);
+            status = record(coordinator, search);
         }
         if (status == STATUS_OK)
             status = go_on(coordinator, index);
@@ -295,8 +237,7 @@ static enum status take_trimmed(struct coordinator *coordinator, GPtrArray *sear
     enum status status =
         searches->len > 1 ? journal_begin(run->journal, coordinator->error) : STATUS_OK;
     for (guint i = 0; i < searches->len && status == STATUS_OK; i++) {
-        const struct run_search *search = searches->pdata[i];
-        status = run_record(run, search->index, coordinator->error);
+        status = record(coordinator, searches->pdata[i]);
     }
     struct error uncommitted = {0};
     if (journal_commit(run->journal, &uncommitted) != STATUS_OK && status == STATUS_OK) {
@@ -504,23 +445,13 @@ static gboolean tell_status(gpointer user)
     struct schedule_counters counters;
     schedule_counters(coordinator->schedule, &counters);
     look_for_workers(coordinator, counters.workers);
-    publish_run_status(coordinator, counters.workers > 0 ? RUN_STATE_RUNNING : RUN_STATE_WAITING);
+    tell_run(coordinator->tell, counters.workers > 0 ? TELL_RUNNING : TELL_WAITING, &counters);
     return G_SOURCE_CONTINUE;
 }
 
-static gboolean tell_searches(gpointer user)
+static gboolean tell_of_searches(gpointer user)
 {
-    struct coordinator *coordinator = user;
-    const struct run *run = coordinator->run;
-    uint32_t burst = SEARCH_STATUS_BURST;
-    for (uint32_t i = 0; i < run->record.search_count && burst > 0; i++) {
-        coordinator->told = (coordinator->told + 1) % run->record.search_count;
-        const struct run_search *search = run->open[coordinator->told];
-        if (search == NULL || !search->active)
-            continue;
-        publish_search_status(coordinator, coordinator->told);
-        burst--;
-    }
+    tell_tick(((struct coordinator *)user)->tell);
     return G_SOURCE_CONTINUE;
 }
 
@@ -602,15 +533,15 @@ static struct schedule_settings schedule_settings(struct wire *wire)
 }
 
 // A session may end well and leave searches for another.
-static enum run_state state_after(enum status status, bool all_done)
+static enum tell_state state_after(enum status status, bool all_done)
 {
     switch (status) {
     case STATUS_OK:
-        return all_done ? RUN_STATE_DONE : RUN_STATE_INTERRUPTED;
+        return all_done ? TELL_DONE : TELL_INTERRUPTED;
     case STATUS_INTERRUPTED:
-        return RUN_STATE_INTERRUPTED;
+        return TELL_INTERRUPTED;
     default:
-        return RUN_STATE_FAILED;
+        return TELL_FAILED;
     }
 }
 
@@ -654,7 +585,7 @@ static void loop(struct coordinator *coordinator)
     coordinator->opener = timed_source(coordinator, opening);
     guint timers[5] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
-        g_timeout_add(SEARCH_STATUS_INTERVAL_MS, tell_searches, coordinator),
+        g_timeout_add(TELL_TICK_MS, tell_of_searches, coordinator),
         g_unix_signal_add(SIGINT, interrupted, coordinator),
         g_unix_signal_add(SIGTERM, interrupted, coordinator),
     };
@@ -663,7 +594,7 @@ static void loop(struct coordinator *coordinator)
         timers[4] =
             g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
 
-    publish_run_status(coordinator, RUN_STATE_RUNNING);
+    tell_run_state(coordinator, TELL_RUNNING);
     g_source_set_ready_time(coordinator->opener, 0);
     if (!run_finished(coordinator->run))
         g_main_loop_run(coordinator->loop);
@@ -682,14 +613,16 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
                             const struct coordinator_settings *settings, struct error *error)
 {
     const struct schedule_settings schedule = schedule_settings(wire);
+    const struct digest fingerprint = fingerprint_compute();
     struct coordinator coordinator = {
         .run = run,
         .wire = wire,
         .sender = sender,
         .settings = settings,
-        .fingerprint = fingerprint_compute(),
+        .fingerprint = fingerprint,
         .schedule = schedule_create(&schedule),
         .texts = texts_create(),
+        .tell = tell_create(run, wire, &fingerprint),
         .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
         .ready = G_QUEUE_INIT,
         .opening = opening_default(),
@@ -718,13 +651,14 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         *error = unwritten;
         status = unwritten.status;
     }
-    publish_run_status(&coordinator, state_after(status, all_done));
+    tell_run_state(&coordinator, state_after(status, all_done));
     wire_source_detach(wire);
     g_queue_clear(&coordinator.ready);
     g_main_loop_unref(coordinator.loop);
     deadline_free(coordinator.wake);
     schedule_effects_fini(&coordinator.effects);
     schedule_free(coordinator.schedule);
+    tell_free(coordinator.tell);
     texts_free(coordinator.texts);
     g_free(coordinator.unpacked);
     return status;

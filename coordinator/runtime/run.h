@@ -41,6 +41,8 @@ struct run_search {
     struct digest box;             // digest of the bounds' bytes: the box's name on the network
     struct verdict *verdicts;      // (request.sampling.samples) filled in as outcomes arrive
     int64_t started_ns;            // monotonic, of this session
+    uint32_t told_variable; // whose bounds are told first next time; this and the next of tell.h
+    int64_t told_ns;        // monotonic, when its samples were last told of
 };
 
 struct run {
