@@ -175,6 +175,16 @@ static void want(void *user, uint64_t run, const struct digest *scenario)
         watch_want(monitor->watch, run, scenario);
 }
 
+static void want_samples(void *user, uint64_t run, uint32_t search)
+{
+    (void)run; // a run folder holds one
+    struct monitor *monitor = user;
+    struct error error = {0};
+    if (monitor->record != NULL &&
+        record_read_samples(monitor->record, search, clock_monotonic_ns(), &error) != STATUS_OK)
+        log_note("%s", error.text);
+}
+
 static enum status serve(struct monitor *monitor, struct error *error)
 {
     uint64_t instance;
@@ -187,6 +197,7 @@ static enum status serve(struct monitor *monitor, struct error *error)
         .instance = monitor->instance,
         .start_ns = clock_monotonic_ns(),
         .want = want,
+        .want_samples = want_samples,
         .user = monitor,
     };
     const enum status status =

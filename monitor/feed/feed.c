@@ -2,6 +2,7 @@
 
 #include "coordinator/search/search.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,7 +12,17 @@ static void release_run(gpointer user)
 {
     struct feed_run *run = user;
     history_fini(&run->pace);
+    cases_fini(&run->names);
     g_free(run);
+}
+
+static void album_end(struct feed_search *search)
+{
+    if (search->album == NULL)
+        return;
+    g_queue_unlink(search->albums, &search->album_link);
+    album_fini(search->album);
+    g_clear_pointer(&search->album, g_free);
 }
 
 static void release_search(gpointer user)
@@ -19,6 +30,8 @@ static void release_search(gpointer user)
     struct feed_search *search = user;
     history_fini(&search->steps);
     g_array_free(search->bounds, TRUE);
+    g_array_free(search->parts, TRUE);
+    album_end(search);
     g_free(search);
 }
 
@@ -114,6 +127,7 @@ static struct feed_run *run_entry(struct feed *feed, uint64_t id)
     run = g_new0(struct feed_run, 1);
     run->id = id;
     history_init(&run->pace, sizeof(struct feed_pace), FEED_PACE_MAX);
+    cases_init(&run->names);
     table_add(&feed->runs, &run->entry, id, 0);
     return run;
 }
@@ -208,6 +222,8 @@ static struct feed_search *search_entry(struct feed *feed, uint64_t run, uint32_
     search->run = run;
     search->index = index;
     search->bounds = g_array_new(FALSE, FALSE, sizeof(double));
+    search->parts = g_array_new(FALSE, FALSE, sizeof(double));
+    search->albums = &feed->albums;
     history_init(&search->steps, sizeof(struct feed_step), FEED_STEP_MAX);
     table_add(&feed->searches, &search->entry, run, index);
     return search;
@@ -235,6 +251,30 @@ static void step_add(struct feed_search *search)
         history_add(&search->steps, &step);
 }
 
+// The box as far as it is heard. One that fits a message is complete at once.
+static void bounds_take(struct feed_search *search, const sobox_search_status_t *message)
+{
+    const guint variables = (guint)message->variables, first = (guint)message->first_variable;
+    const guint count = (guint)message->bound_count / 2;
+    if (search->parts->len != 2 * variables) {
+        g_array_set_size(search->parts, 2 * variables);
+        for (guint i = 0; i < search->parts->len; i++)
+            g_array_index(search->parts, double, i) = NAN;
+        g_array_set_size(search->bounds, 0);
+    }
+    if (count == 0 || first + count > variables)
+        return;
+    double *parts = (double *)(void *)search->parts->data;
+    memcpy(parts + first, message->bounds, count * sizeof *parts);
+    memcpy(parts + variables + first, message->bounds + count, count * sizeof *parts);
+    for (guint i = 0; i < variables && count < variables; i++) {
+        if (isnan(parts[i]))
+            return;
+    }
+    g_array_set_size(search->bounds, 0);
+    g_array_append_vals(search->bounds, parts, 2 * variables);
+}
+
 void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns)
 {
     struct feed_search *search =
@@ -242,6 +282,7 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
     if (is_late(&search->origin, &message->header, now_ns - search->heard_ns))
         return;
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
+    search->standing = message->standing;
     search->phase = message->phase;
     search->status = message->status;
     search->step = (uint32_t)message->step;
@@ -250,12 +291,61 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
     search->good_share = message->good_share;
     search->log_volume = message->log_volume;
     search->purity_lower95 = message->purity_lower95;
-    g_array_set_size(search->bounds, 0);
-    g_array_append_vals(search->bounds, message->bounds, (guint)message->bound_count);
+    bounds_take(search, message);
     search->heard_ns = now_ns;
     search->changed = ++feed->version;
     step_add(search);
     table_touch(&feed->searches, &search->entry);
+}
+
+// Samples are kept of the searches heard of last.
+static struct album *album_of(struct feed *feed, struct feed_search *search)
+{
+    if (search->album != NULL) {
+        g_queue_unlink(&feed->albums, &search->album_link);
+    } else {
+        if (feed->albums.length >= FEED_ALBUM_MAX)
+            album_end(feed->albums.head->data);
+        search->album = g_new(struct album, 1);
+        album_init(search->album);
+        search->album_link.data = search;
+    }
+    g_queue_push_tail_link(&feed->albums, &search->album_link);
+    return search->album;
+}
+
+// What a step tells of a search that nothing else has told of yet: a short one may be over before
+// its status is due.
+static void search_begin(struct feed_search *search, const sobox_step_status_t *message,
+                         int64_t now_ns)
+{
+    memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
+    search->standing = FEED_STANDING_OPEN;
+    search->phase = message->phase;
+    search->step = (uint32_t)message->step;
+    search->log_volume = -DBL_MAX;
+    search->heard_ns = now_ns;
+}
+
+void feed_step_heard(struct feed *feed, const sobox_step_status_t *message, int64_t now_ns)
+{
+    struct feed_search *search =
+        search_entry(feed, (uint64_t)message->header.run, (uint32_t)message->search);
+    if (is_late(&search->album_origin, &message->header, now_ns - search->album_heard_ns))
+        return;
+    if (search->origin.sender == 0)
+        search_begin(search, message, now_ns);
+    search->album_heard_ns = now_ns;
+    if (album_hear(album_of(feed, search), message))
+        search->album_changed = search->changed = ++feed->version;
+}
+
+void feed_cases_heard(struct feed *feed, const sobox_cases_t *message, int64_t now_ns)
+{
+    (void)now_ns;
+    struct feed_run *run = table_find(&feed->runs, (uint64_t)message->header.run, 0);
+    if (run != NULL && cases_hear(&run->names, message, feed->version + 1))
+        run->changed = ++feed->version;
 }
 
 // ---- Workers ----
@@ -378,4 +468,23 @@ const char *feed_status_name(int status)
     return status >= SEARCH_STATUS_RUNNING && status <= SEARCH_STATUS_NO_GOOD_DESIGN
                ? search_status_name((enum search_status)status)
                : "unknown";
+}
+
+const char *feed_search_word(const struct feed_search *search)
+{
+    switch (search->standing) {
+    case FEED_STANDING_WAITS:
+        return "waiting";
+    case FEED_STANDING_FAILED:
+        return "failed";
+    default:
+        return feed_status_name(search->status);
+    }
+}
+
+const char *feed_case_name(const struct feed *feed, uint64_t run, uint32_t search)
+{
+    const struct feed_run *found = feed_run_find(feed, run);
+    char *const *texts = found != NULL ? cases_find(&found->names, search) : NULL;
+    return texts != NULL ? texts[0] : NULL;
 }

@@ -11,11 +11,15 @@
 #define SOBOX_MONITOR_FEED_FEED_H
 
 #include "common/numeric/digest.h"
+#include "monitor/feed/album.h"
+#include "monitor/feed/cases.h"
 #include "monitor/feed/history.h"
 #include "monitor/feed/table.h"
 
+#include "sobox_cases_t.h"
 #include "sobox_run_status_t.h"
 #include "sobox_search_status_t.h"
+#include "sobox_step_status_t.h"
 #include "sobox_worker_status_t.h"
 
 #include <glib.h>
@@ -28,6 +32,7 @@ enum {
     FEED_WORKER_MAX = 4096,
     FEED_STEP_MAX = 512, // points of a search's course: with all searches at most 200 MB
     FEED_PACE_MAX = 600, // points of a run's course: ten minutes second by second
+    FEED_ALBUM_MAX = 64, // searches whose samples are kept: those heard of last, at most 128 MB
 };
 
 // Who has not been heard for so long is silent: three status messages missed. [ns]
@@ -42,6 +47,13 @@ enum feed_state { // as in run_status_t.lcm
     FEED_STATE_DONE,
     FEED_STATE_INTERRUPTED,
     FEED_STATE_FAILED,
+};
+
+enum feed_standing { // as in search_status_t.lcm
+    FEED_STANDING_WAITS,
+    FEED_STANDING_OPEN,
+    FEED_STANDING_DONE,
+    FEED_STANDING_FAILED,
 };
 
 // Which message an entry shows, so that older ones are known as such.
@@ -90,15 +102,23 @@ struct feed_search {
     uint64_t run;
     uint32_t index;
     struct digest scenario;
-    int phase;  // enum search_phase
-    int status; // enum search_status
+    int standing; // enum feed_standing
+    int phase;    // enum search_phase
+    int status;   // enum search_status
     uint32_t step, step_count;
     uint64_t evaluations;
     double good_share;
     double log_volume;
     double purity_lower95; // 0 until certified
-    GArray *bounds;        // double: lower, then upper; empty where the box was too large to travel
-    struct history steps;  // struct feed_step, one a step heard of
+    GArray *bounds;        // double: lower, then upper; empty until all of the box is heard
+    GArray *parts;         // the same of a box that comes in parts, NaN where none has come
+    struct album *album;   // its samples; NULL: none are kept
+    GQueue *albums;        // feed->albums,
+    GList album_link;      // and its place there
+    uint64_t album_changed;
+    struct feed_origin album_origin;
+    int64_t album_heard_ns;
+    struct history steps; // struct feed_step, one a step heard of
     int64_t heard_ns;
     struct feed_origin origin;
 };
@@ -125,6 +145,7 @@ struct feed_run {
     int64_t elapsed_ns, service_ns;
     int64_t heard_ns;
     struct history pace; // struct feed_pace, one a message
+    struct cases names;  // of the cases of a sweep
     struct feed_recent recent;
     struct feed_origin origin;
 };
@@ -140,6 +161,7 @@ struct feed {
     struct table runs;     // struct feed_run
     struct table searches; // struct feed_search
     struct table workers;  // struct feed_worker
+    GQueue albums;         // searches with samples; longest unheard first
     struct feed_own own;
     struct feed_recent own_recent;
     int64_t own_ns;
@@ -152,6 +174,8 @@ void feed_fini(struct feed *feed);
 // A message was heard at `now_ns` (monotonic). Nothing of it is kept but copies.
 void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_t now_ns);
 void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns);
+void feed_step_heard(struct feed *feed, const sobox_step_status_t *message, int64_t now_ns);
+void feed_cases_heard(struct feed *feed, const sobox_cases_t *message, int64_t now_ns);
 void feed_worker_heard(struct feed *feed, const sobox_worker_status_t *message, int64_t now_ns);
 
 // How well this monitor hears, once a second or so.
@@ -182,5 +206,11 @@ double feed_recent_lost_share(const struct feed_recent *recent);
 const char *feed_state_name(int state);
 const char *feed_phase_name(int phase);
 const char *feed_status_name(int status);
+
+// The search's status in a word: that of its result, "running", "waiting" or "failed".
+const char *feed_search_word(const struct feed_search *search);
+
+// The name of a search's case, or NULL where it has none or none is heard.
+const char *feed_case_name(const struct feed *feed, uint64_t run, uint32_t search);
 
 #endif

@@ -8,9 +8,12 @@
 #include <math.h>
 #include <string.h>
 
+enum { SAMPLES_TOLD = 200 }; // of a step, as a coordinator tells of
+
 // What was told of a search.
 struct told {
     uint32_t steps;
+    uint32_t sampled; // steps whose samples were told of
     uint64_t evaluations;
     bool finished;
 };
@@ -20,6 +23,8 @@ struct record {
     struct feed *feed;
     struct texts *texts;
     GArray *told; // struct told, one a search
+    uint64_t run; // its number
+    bool named;   // the cases of a sweep were told of
     int32_t sequence;
     bool goes_on;
 };
@@ -95,6 +100,14 @@ static int8_t state_of(enum journal_state state)
     return FEED_STATE_FAILED;
 }
 
+// Which points a step drew: the journal does not say, it follows from the phase (search.c).
+static enum scenario_sampling sampling_of(int8_t phase, const struct scenario *scenario)
+{
+    if (phase == SEARCH_PHASE_SEEK)
+        return SCENARIO_SAMPLING_LATIN_HYPERCUBE;
+    return phase == SEARCH_PHASE_CERTIFY ? SCENARIO_SAMPLING_UNIFORM : scenario->search.sampling;
+}
+
 // ---- Telling the feed ----
 
 static sobox_header_t next_header(struct record *record, const struct journal_run *run)
@@ -116,6 +129,7 @@ static void tell_search(const struct reading *reading, sobox_search_status_t *me
     double *bounds = g_new(double, 2 * (size_t)box->count);
     memcpy(bounds, box->lower, box->count * sizeof *bounds);
     memcpy(bounds + box->count, box->upper, box->count * sizeof *bounds);
+    message->variables = (int32_t)box->count;
     message->bound_count = (int32_t)(2 * box->count);
     message->bounds = bounds;
     feed_search_heard(reading->record->feed, message, reading->now_ns);
@@ -131,6 +145,7 @@ static enum status tell_step(void *user, const struct journal_step *step, struct
     reading->told->steps = step->step + 1;
     reading->told->evaluations += step->samples;
     sobox_search_status_t message = {
+        .standing = FEED_STANDING_OPEN,
         .phase = phase_of(step->phase),
         .status = SEARCH_STATUS_RUNNING,
         .step = (int32_t)step->step + 1,
@@ -148,6 +163,7 @@ static void tell_result(const struct reading *reading)
     reading->told->finished = true;
     reading->told->evaluations = search->evaluations;
     sobox_search_status_t message = {
+        .standing = FEED_STANDING_DONE,
         .phase = SEARCH_PHASE_DONE,
         .status = status_of(search->status),
         .step = (int32_t)search->steps,
@@ -158,6 +174,108 @@ static void tell_result(const struct reading *reading)
     };
     tell_search(reading, &message, &search->box);
 }
+
+// ---- Samples ----
+
+static uint8_t *put_bounds(uint8_t *at, const double *values, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        bits = GUINT64_TO_LE(bits);
+        memcpy(at, &bits, sizeof bits);
+        at += sizeof bits;
+    }
+    return at;
+}
+
+// The journal keeps the box that was sampled; the one after the step is not there.
+static enum status tell_samples(void *user, const struct journal_step *step, struct error *error)
+{
+    (void)error;
+    const struct reading *reading = user;
+    const struct journal_search *search = reading->search;
+    const struct scenario *scenario = texts_find(reading->record->texts, &search->scenario);
+    if (step->step < reading->told->sampled || scenario == NULL || step->samples == 0)
+        return STATUS_OK;
+    reading->told->sampled = step->step + 1;
+    const int8_t phase = phase_of(step->phase);
+    const uint32_t variables = step->box->count;
+    const uint32_t count = MIN(step->samples, SAMPLES_TOLD);
+    uint8_t *packed =
+        g_malloc(verdict_packed_size_max(count, step->detail) + variables * 4 * sizeof(double));
+    const size_t size = verdict_pack(step->verdicts, count, step->detail, packed);
+    uint8_t *at = packed + size;
+    for (int boxes = 0; boxes < 2; boxes++) {
+        at = put_bounds(at, step->box->lower, variables);
+        at = put_bounds(at, step->box->upper, variables);
+    }
+    sobox_step_status_t message = {
+        .header = next_header(reading->record, reading->run),
+        .seed = (int64_t)search->seed,
+        .search = (int32_t)search->index,
+        .step = (int32_t)step->step,
+        .phase = phase,
+        .sampling = (int8_t)sampling_of(phase, scenario),
+        .detail = (int8_t)step->detail,
+        .samples = (int32_t)step->samples,
+        .good = (int32_t)step->good,
+        .count = (int32_t)count,
+        .variables = (int32_t)variables,
+        .window = (int32_t)variables,
+        .packed_size = (int32_t)(at - packed),
+        .packed = packed,
+    };
+    memcpy(message.scenario, search->scenario.bytes, DIGEST_SIZE);
+    feed_step_heard(reading->record->feed, &message, reading->now_ns);
+    g_free(packed);
+    return STATUS_OK;
+}
+
+static enum status read_samples(struct record *record, struct journal *journal, uint32_t index,
+                                int64_t now_ns, struct error *error)
+{
+    struct journal_run run;
+    struct journal_search search = {0};
+    enum status status = journal_read_run(journal, &run, error);
+    if (status == STATUS_OK)
+        status = journal_read_search(journal, index, &search, error);
+    struct reading reading = {
+        .record = record,
+        .run = &run,
+        .search = &search,
+        .told = &g_array_index(record->told, struct told, index),
+        .now_ns = now_ns,
+    };
+    if (status == STATUS_OK) {
+        texts_learn(record->texts, &search.scenario, search.text, search.text_size);
+        status = journal_read_steps(journal, index, tell_samples, &reading, error);
+    }
+    journal_search_fini(&search);
+    return status;
+}
+
+enum status record_read_samples(struct record *record, uint32_t index, int64_t now_ns,
+                                struct error *error)
+{
+    if (index >= record->told->len)
+        return STATUS_OK;
+    struct told *told = &g_array_index(record->told, struct told, index);
+    const struct feed_search *search = feed_search_find(record->feed, record->run, index);
+    // Samples of a search that nobody looked at for long are gone, and are told of again.
+    if (search != NULL && search->album == NULL)
+        told->sampled = 0;
+    if (search == NULL || told->sampled >= told->steps)
+        return STATUS_OK;
+    struct journal *journal = NULL;
+    enum status status = journal_open(&journal, record->folder, JOURNAL_READ, error);
+    if (status == STATUS_OK)
+        status = read_samples(record, journal, index, now_ns, error);
+    journal_close(journal);
+    return status;
+}
+
+// ---- Steps and results ----
 
 static uint32_t steps_expected(struct texts *texts, const struct digest *digest)
 {
@@ -212,6 +330,61 @@ static void tell_run(struct record *record, const struct journal_run *run, int64
     feed_run_heard(record->feed, &message, now_ns);
 }
 
+// ---- Cases ----
+
+static void append_texts(GByteArray *to, const char *first, char *const *rest)
+{
+    g_byte_array_append(to, (const guint8 *)first, (guint)strlen(first) + 1);
+    for (; *rest != NULL; rest++)
+        g_byte_array_append(to, (const guint8 *)*rest, (guint)strlen(*rest) + 1);
+}
+
+static void tell_texts(struct record *record, const struct journal_run *run, int32_t first,
+                       guint columns, const GByteArray *texts, int64_t now_ns)
+{
+    const sobox_cases_t message = {
+        .header = next_header(record, run),
+        .first = first,
+        .columns = (int32_t)columns,
+        .text_size = (int32_t)texts->len,
+        .text = texts->data,
+    };
+    feed_cases_heard(record->feed, &message, now_ns);
+}
+
+// The names and values of all cases: they never change.
+static enum status tell_cases(struct record *record, struct journal *journal,
+                              const struct journal_run *run, int64_t now_ns, struct error *error)
+{
+    char **axes = NULL;
+    GByteArray *texts = g_byte_array_new();
+    enum status status = journal_read_axes(journal, &axes, error);
+    const guint columns = status == STATUS_OK ? g_strv_length(axes) + 1 : 0;
+    record->named = true;
+    if (columns > 1) {
+        append_texts(texts, "case", axes);
+        tell_texts(record, run, -1, columns, texts, now_ns);
+    }
+    const uint32_t count = columns > 1 ? MIN(run->search_count, CASES_KNOWN_MAX) : 0;
+    for (uint32_t i = 0; status == STATUS_OK && i < count; i++) {
+        struct journal_search search = {0};
+        char **values = NULL;
+        status = journal_read_search(journal, i, &search, error);
+        if (status == STATUS_OK)
+            status = journal_read_values(journal, i, &values, error);
+        if (status == STATUS_OK && g_strv_length(values) + 1 == columns) {
+            g_byte_array_set_size(texts, 0);
+            append_texts(texts, search.name, values);
+            tell_texts(record, run, (int32_t)i, columns, texts, now_ns);
+        }
+        g_strfreev(values);
+        journal_search_fini(&search);
+    }
+    g_byte_array_free(texts, TRUE);
+    g_strfreev(axes);
+    return status;
+}
+
 enum status record_read(struct record *record, int64_t now_ns, struct error *error)
 {
     struct journal *journal = NULL;
@@ -226,7 +399,12 @@ enum status record_read(struct record *record, int64_t now_ns, struct error *err
             status = read_search(record, journal, &run, i, now_ns, error);
     }
     if (status == STATUS_OK) {
+        record->run = run.id;
         tell_run(record, &run, now_ns);
+        if (!record->named)
+            status = tell_cases(record, journal, &run, now_ns, error);
+    }
+    if (status == STATUS_OK) {
         record->goes_on = run.state == JOURNAL_STATE_RUNNING;
     }
     journal_close(journal);

@@ -23,6 +23,11 @@ void record_close(struct record *record); // NULL is fine
 // Errors: those of journal_open() and its readers.
 enum status record_read(struct record *record, int64_t now_ns, struct error *error) MUST_USE;
 
+// Tells the feed of the samples of a search that somebody looks at, as far as they are new. They
+// are read when they are wanted: a sweep has more than anybody wants to keep. Errors: likewise.
+enum status record_read_samples(struct record *record, uint32_t search, int64_t now_ns,
+                                struct error *error) MUST_USE;
+
 // Whether the run was still going on when it was last read.
 bool record_goes_on(const struct record *record);
 

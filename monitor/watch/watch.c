@@ -120,6 +120,10 @@ static void heard(void *user, enum wire_kind kind, const void *message)
     } else if (kind == WIRE_SEARCH_STATUS) {
         feed_search_heard(watch->feed, message, now_ns);
         want_eagerly(watch, message, now_ns);
+    } else if (kind == WIRE_STEP_STATUS) {
+        feed_step_heard(watch->feed, message, now_ns);
+    } else if (kind == WIRE_CASES) {
+        feed_cases_heard(watch->feed, message, now_ns);
     } else if (kind == WIRE_WORKER_STATUS) {
         feed_worker_heard(watch->feed, message, now_ns);
     }
@@ -152,6 +156,10 @@ enum status watch_start(struct watch **made, const char *url, const struct key *
         status = wire_subscribe(watch->wire, WIRE_RUN_STATUS, heard, watch, error);
     if (status == STATUS_OK)
         status = wire_subscribe(watch->wire, WIRE_SEARCH_STATUS, heard, watch, error);
+    if (status == STATUS_OK)
+        status = wire_subscribe(watch->wire, WIRE_STEP_STATUS, heard, watch, error);
+    if (status == STATUS_OK)
+        status = wire_subscribe(watch->wire, WIRE_CASES, heard, watch, error);
     // With a key each worker is asked once for a proof that it is there: no recording is shown.
     if (status == STATUS_OK)
         status = wire_subscribe(watch->wire, WIRE_WORKER_STATUS, heard, watch, error);

@@ -78,6 +78,7 @@ static void late_message_does_not_turn_the_picture_back(void **state)
     struct feed *feed = *state;
     double bounds[2] = {1, 2};
     sobox_search_status_t newer = search_message(7, 3, 9);
+    newer.variables = 1;
     newer.bound_count = 2;
     newer.bounds = bounds;
     newer.status = 1;
