@@ -3,6 +3,7 @@
 #include "common/base/clock.h"
 #include "monitor/http/host.h"
 #include "monitor/http/metrics.h"
+#include "monitor/http/xray.h"
 #include "monitor/web/web.h"
 
 #include <arpa/inet.h>
@@ -215,6 +216,45 @@ static enum MHD_Result send_state(struct http *http, struct MHD_Connection *conn
     return send_text(connection, "application/json", text);
 }
 
+// A number of the query, or `missing`. False when it is none.
+static bool query_number(struct MHD_Connection *connection, const char *name, uint32_t missing,
+                         uint32_t *number)
+{
+    const char *text = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, name);
+    guint64 value = missing;
+    const bool sound =
+        text == NULL || g_ascii_string_to_unsigned(text, 10, 0, UINT32_MAX, &value, NULL);
+    *number = (uint32_t)value;
+    return sound;
+}
+
+static enum MHD_Result send_samples(struct http *http, struct MHD_Connection *connection,
+                                    bool table)
+{
+    struct picture_cursor cursor = {0};
+    uint32_t step, x, y;
+    if (!cursor_choose(&cursor, connection) || !cursor.has_search ||
+        !query_number(connection, "step", UINT32_MAX, &step) ||
+        !query_number(connection, "x", 0, &x) || !query_number(connection, "y", 0, &y))
+        return refuse(connection, MHD_HTTP_BAD_REQUEST,
+                      "expected run=HEXADECIMAL, search=NUMBER, x=NUMBER and y=NUMBER\n");
+    const struct picture_view *view = http->view;
+    if (view->want_samples != NULL)
+        view->want_samples(view->user, cursor.run, cursor.search);
+    const struct feed_search *search = feed_search_find(view->feed, cursor.run, cursor.search);
+    const struct album_picture *picture =
+        search != NULL && search->album != NULL ? album_find(search->album, step) : NULL;
+    GString *text = g_string_new(NULL);
+    if (picture != NULL && table) {
+        xray_csv(picture, texts_find(view->texts, &picture->scenario), text);
+        return send_text(connection, "text/csv; charset=utf-8", text);
+    }
+    if (picture != NULL && xray_points(picture, x, y, text))
+        return send_text(connection, "application/json", text);
+    g_string_free(text, TRUE);
+    return refuse(connection, MHD_HTTP_NOT_FOUND, "no samples of these are known\n");
+}
+
 static enum MHD_Result send_metrics(struct http *http, struct MHD_Connection *connection)
 {
     GString *text = g_string_new(NULL);
@@ -252,6 +292,8 @@ static enum MHD_Result respond(struct http *http, struct MHD_Connection *connect
         return send_events(http, connection);
     if (strcmp(path, "/state.json") == 0)
         return send_state(http, connection);
+    if (strcmp(path, "/samples.json") == 0 || strcmp(path, "/samples.csv") == 0)
+        return send_samples(http, connection, strcmp(path, "/samples.csv") == 0);
     if (strcmp(path, "/metrics") == 0)
         return send_metrics(http, connection);
     return refuse(connection, MHD_HTTP_NOT_FOUND, "there is nothing of that name\n");

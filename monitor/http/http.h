@@ -3,7 +3,11 @@
 //   /             the page; /page.css, /page.js, /chart.js with it
 //   /events       the picture as server-sent events (picture.h); ?run=ID&search=NUMBER chooses what
 //                 is told in detail
-//   /state.json   the same once, complete, for scripts
+//   /samples.json the samples of the search's latest step over two variables (xray.h):
+//                 ?run=ID&search=NUMBER&x=NUMBER&y=NUMBER, with &step=NUMBER those of an earlier
+//                 one
+//   /samples.csv  likewise all variables of them
+//   /state.json   the picture once, complete, for scripts
 //   /metrics      for Prometheus (metrics.h)
 //
 // It runs on the main loop of the thread that owns the feed. Nobody can make it wait or grow:

@@ -1,6 +1,7 @@
 #include "monitor/http/picture.h"
 
 #include "monitor/feed/problem.h"
+#include "monitor/http/xray.h"
 
 #include <inttypes.h>
 #include <jansson.h>
@@ -47,13 +48,13 @@ static json_t *run_json(const struct picture_view *view, const struct feed_run *
 
 static json_t *search_json(const struct picture_view *view, const struct feed_search *search)
 {
-    return json_pack(
-        "{s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "run", name_of(search->run),
-        "search", count(search->index), "phase", feed_phase_name(search->phase), "status",
-        feed_status_name(search->status), "step", count(search->step), "step_count",
-        count(search->step_count), "evaluations", count(search->evaluations), "good_share",
-        number(search->good_share), "log_volume", number(search->log_volume), "purity_lower95",
-        number(search->purity_lower95), "heard_at", at(view, search->heard_ns));
+    return json_pack("{s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "run",
+                     name_of(search->run), "search", count(search->index), "phase",
+                     feed_phase_name(search->phase), "status", feed_search_word(search), "step",
+                     count(search->step), "step_count", count(search->step_count), "evaluations",
+                     count(search->evaluations), "good_share", number(search->good_share),
+                     "log_volume", number(search->log_volume), "purity_lower95",
+                     number(search->purity_lower95), "heard_at", at(view, search->heard_ns));
 }
 
 static json_t *worker_json(const struct picture_view *view, const struct feed_worker *worker)
@@ -141,9 +142,10 @@ static json_t *scenario_json(const struct scenario *scenario)
         json_array_append_new(variables, variable_json(scenario, i));
     for (uint32_t i = 0; i < scenario->spring_count; i++)
         json_array_append_new(springs, json_string(scenario->springs[i].name));
-    return json_pack("{s:s, s:s, s:f, s:o, s:o}", "name", scenario->name, "model",
+    return json_pack("{s:s, s:s, s:f, s:o, s:o, s:o}", "name", scenario->name, "model",
                      scenario_model_name(scenario->model), "target_purity",
-                     scenario->search.target_purity, "springs", springs, "variables", variables);
+                     scenario->search.target_purity, "springs", springs, "variables", variables,
+                     "constraints", xray_constraints(scenario));
 }
 
 static json_t *bounds_json(const GArray *bounds)
@@ -190,6 +192,37 @@ static json_t *pace_json(struct picture_course *told, const struct history *hist
     return json_pack("{s:o, s:o}", "from", count(from), "points", points);
 }
 
+static json_t *samples_json(const struct feed_search *search)
+{
+    json_t *steps = json_array();
+    for (guint i = 0; i < search->album->pictures->len; i++) {
+        const struct album_picture *picture = search->album->pictures->pdata[i];
+        json_array_append_new(steps, json_pack("[o, s]", count(picture->sampling.step),
+                                               feed_phase_name(picture->phase)));
+    }
+    return json_pack("{s:o, s:o}", "changed", count(search->album_changed), "steps", steps);
+}
+
+static json_t *texts_json(json_t *array, char *const *texts)
+{
+    for (; *texts != NULL; texts++)
+        json_array_append_new(array, json_string(*texts));
+    return array;
+}
+
+static json_t *cases_json(const struct cases *cases, uint64_t since)
+{
+    json_t *array = json_array();
+    for (guint i = 0; i < cases->entries->len; i++) {
+        const struct cases_entry *one = &g_array_index(cases->entries, struct cases_entry, i);
+        if (one->texts != NULL && one->changed > since)
+            json_array_append_new(array, texts_json(json_pack("[o]", count(i)), one->texts));
+    }
+    return json_pack("{s:o, s:o}", "axes",
+                     cases->axes != NULL ? texts_json(json_array(), cases->axes) : json_null(),
+                     "cases", array);
+}
+
 static void add_scenario(json_t *chosen, const struct picture_view *view,
                          struct picture_cursor *cursor, const struct feed_search *search)
 {
@@ -226,13 +259,23 @@ static void add_chosen(json_t *event, const struct picture_view *view,
     json_t *chosen = json_pack("{s:o}", "run", name_of(cursor->run));
     if (run != NULL)
         json_object_set_new(chosen, "pace", pace_json(&cursor->pace, &run->pace));
+    if (run != NULL && run->names.changed > cursor->cases_version) {
+        json_object_set_new(chosen, "cases", cases_json(&run->names, cursor->cases_version));
+        cursor->cases_version = run->names.changed;
+    }
     if (search != NULL) {
+        if (view->want_samples != NULL)
+            view->want_samples(view->user, search->run, search->index);
         json_object_set_new(chosen, "search", count(search->index));
         json_object_set_new(chosen, "state", search_json(view, search));
         if (!cursor->scenario_told)
             add_scenario(chosen, view, cursor, search);
         json_object_set_new(chosen, "bounds", bounds_json(search->bounds));
         json_object_set_new(chosen, "steps", steps_json(&cursor->steps, &search->steps));
+        if (search->album != NULL && search->album_changed > cursor->album_version) {
+            json_object_set_new(chosen, "samples", samples_json(search));
+            cursor->album_version = search->album_changed;
+        }
     }
     json_object_set_new(event, "chosen", chosen);
 }

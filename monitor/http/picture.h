@@ -22,6 +22,10 @@
 //     bounds   {lower, upper}: of the current box, in the order of the variables
 //     steps    {from, points: [[step, phase, good_share, log_volume]]}: replaces all from `from` on
 //     pace     {from, points: [[elapsed_s, rate, lost_share, released]]}, likewise
+//     samples  {changed, steps: [[step, phase]]}: of which steps there are samples (xray.h); asked
+//              for by themselves, because which variables are looked at is the reader's own choice
+//     cases    {axes: ["case", path, ..], cases: [[search, name, value, ..]]}: of a sweep, those
+//              that are new to the reader
 //
 // Numbers are those of the messages (SI); those beyond any measure are null; 64-bit numbers that
 // name something are hexadecimal text, because a browser's numbers are doubles.
@@ -44,6 +48,9 @@ struct picture_view {
     int64_t start_ns;     // zero of the clock of the events
     // Called when a reader has chosen a search whose scenario is not known.
     void (*want)(void *user, uint64_t run, const struct digest *scenario);
+    // Called when a reader has chosen a search: its samples are wanted. NULL: they come by
+    // themselves.
+    void (*want_samples)(void *user, uint64_t run, uint32_t search);
     void *user;
 };
 
@@ -65,6 +72,7 @@ struct picture_cursor {
     int64_t told_ns;         // when it was last told anything
     uint64_t chosen_version; // of the chosen search or run when last told
     bool scenario_told;
+    uint64_t album_version, cases_version; // when it was last told of samples and of cases
     struct picture_course steps, pace;
 };
 

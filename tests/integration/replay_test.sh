@@ -101,3 +101,28 @@ running_run_folder_is_followed()
     finish 0 monitor
     expect_said monitor.out 'short: done'
 }
+
+# What a live monitor shows of a step is what the journal tells of it: the same designs to the bit,
+# with the same verdicts.
+samples_seen_live_are_those_of_the_journal()
+{
+    _start_page live --url "$url"
+    start worker sobox-worker --url "$url"
+    run 0 sobox-coordinator "$scenario" --out run --url "$url"
+    wait_until 'the end is told' _tells live.json 'done'
+    local id step
+    id=$(json live.json '$.runs[0].id')
+    _state live.json "?run=$id&search=0"
+    step=$(json live.json '$.chosen.samples.steps[0][0]')
+    curl --silent --fail --output live.csv "${page}samples.csv?run=$id&search=0&step=$step"
+    signal TERM live
+    finish 0 live
+    _start_page again --from run
+    _state again.json "?run=$id&search=0"
+    curl --silent --fail --output again.csv "${page}samples.csv?run=$id&search=0&step=$step"
+    expect_said live.csv '^0,[01],.*[.]'
+    # All but names: so short a run is over before the live monitor has heard its scenario.
+    tail -n +2 live.csv | cut -d , -f 1,2,4- >live.txt
+    tail -n +2 again.csv | cut -d , -f 1,2,4- >again.txt
+    cmp live.txt again.txt || fail "the samples of step $step differ"
+}

@@ -62,6 +62,7 @@ static void hear(struct fixture *fixture, int64_t run, int32_t step, double log_
         .header = {.sender = 100 + run, .sequence = step, .run = run},
         .step = step,
         .log_volume = log_volume,
+        .variables = 1,
         .bound_count = 2,
         .bounds = bounds,
     };
