@@ -5,6 +5,7 @@
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/digest.h"
+#include "common/numeric/identity.h"
 #include "common/wire/key.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
@@ -173,7 +174,7 @@ static void print_version(void)
 }
 
 static enum status open_wire(struct wire **wire, const struct options *options,
-                             const struct key *key, uint64_t *sender, struct error *error)
+                             const struct key *key, uint64_t sender, struct error *error)
 {
     struct wire_settings settings = wire_settings_default();
     settings.url = url_wanted(options);
@@ -184,12 +185,7 @@ static enum status open_wire(struct wire **wire, const struct options *options,
                          "--url: %s reaches nobody outside this process: expected "
                          "udpm://ADDRESS:PORT?ttl=N or tcpq://ADDRESS:PORT",
                          settings.url);
-    do {
-        if (getentropy(sender, sizeof *sender) != 0)
-            return error_set(error, STATUS_FAILED, "the kernel gives no random numbers");
-        *sender >>= 1; // positive as the signed number that travels
-    } while (*sender == 0);
-    return wire_open(wire, &settings, *sender, error);
+    return wire_open(wire, &settings, sender, error);
 }
 
 static void say_hello(const struct options *options, const struct worker *worker,
@@ -218,7 +214,7 @@ static enum status run(const struct options *options, struct error *error)
     struct wire *wire = NULL;
     struct worker *worker = NULL;
     struct key *key = NULL;
-    uint64_t sender;
+    const uint64_t sender = identity_random();
     GMainLoop *loop = g_main_loop_new(NULL, FALSE);
     struct parent_watch watch = {.parent = (pid_t)options->parent, .loop = loop};
     g_unix_signal_add(SIGINT, stop_loop, loop);
@@ -230,7 +226,7 @@ static enum status run(const struct options *options, struct error *error)
     if (options->key_file != NULL)
         status = key_read(&key, options->key_file, error);
     if (status == STATUS_OK)
-        status = open_wire(&wire, options, key, &sender, error);
+        status = open_wire(&wire, options, key, sender, error);
     if (status != STATUS_OK)
         goto end;
     struct worker_settings settings = worker_settings_default();

@@ -2,66 +2,15 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/numeric/identity.h"
 #include "common/scenario/scenario_read.h"
+#include "coordinator/journal/run_folder.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <fnmatch.h>
 #include <glib.h>
 #include <glib/gstdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-enum { FOLDER_TRIES = 100000 }; // runs/NAME-2 .. runs/NAME-100000
-
-static bool folder_empty(const char *path)
-{
-    GDir *dir = g_dir_open(path, 0, NULL);
-    if (dir == NULL)
-        return false;
-    bool empty = g_dir_read_name(dir) == NULL;
-    g_dir_close(dir);
-    return empty;
-}
-
-// The first of runs/NAME, runs/NAME-2, ... that does not exist.
-static char *folder_pick(const char *name)
-{
-    char *path = g_build_filename("runs", name, NULL);
-    for (int number = 2; number < FOLDER_TRIES && g_file_test(path, G_FILE_TEST_EXISTS); number++) {
-        g_free(path);
-        path = g_strdup_printf("runs/%s-%d", name, number);
-    }
-    return path;
-}
-
-static enum status folder_make(const char *path, struct error *error)
-{
-    if (g_mkdir_with_parents(path, 0777) != 0)
-        return error_set(error, STATUS_INVALID, "%s: cannot make the run folder: %s", path,
-                         g_strerror(errno));
-    if (!folder_empty(path))
-        return error_set(error, STATUS_INVALID,
-                         "%s: the run folder is not empty: name another with --out, or continue "
-                         "the run in it with --resume",
-                         path);
-    if (access(path, W_OK | X_OK) != 0)
-        return error_set(error, STATUS_INVALID, "%s: cannot write into the run folder: %s", path,
-                         g_strerror(errno));
-    return STATUS_OK;
-}
-
-static uint64_t random_id(void)
-{
-    // Positive as the signed number that travels, and never 0.
-    uint64_t id;
-    do {
-        randombytes_buf(&id, sizeof id);
-        id >>= 1;
-    } while (id == 0);
-    return id;
-}
 
 // ---- Beginning ----
 
@@ -69,19 +18,14 @@ static enum status begin(struct run *run, const char *directory, const char *nam
                          int64_t now_ns, struct error *error)
 {
     *run = (struct run){.started_ns = now_ns, .threads = threads};
-    run->directory = directory ? g_strdup(directory) : folder_pick(name);
-    run->folder_made = !g_file_test(run->directory, G_FILE_TEST_IS_DIR);
     run->record = (struct journal_run){
         .state = JOURNAL_STATE_RUNNING,
-        .id = random_id(),
+        .id = identity_random(),
         .started_ns = clock_calendar_ns(),
     };
     g_strlcpy(run->record.name, name, sizeof run->record.name);
     g_strlcpy(run->record.version, SOBOX_VERSION, sizeof run->record.version);
-    enum status status = folder_make(run->directory, error);
-    if (status != STATUS_OK)
-        run_fini(run);
-    return status;
+    return run_folder_make(directory, name, &run->directory, &run->folder_made, error);
 }
 
 // Room for the searches of the record, all of them waiting and chosen.
@@ -557,10 +501,6 @@ void run_abandon(struct run *run)
         g_unlink(path);
         g_free(path);
     }
-    if (!run->folder_made)
-        return;
-    g_rmdir(run->directory);
-    // The folder of picked folders too, when it was made for this run: it goes only if it is empty.
-    if (g_str_has_prefix(run->directory, "runs/"))
-        g_rmdir("runs");
+    if (run->folder_made)
+        run_folder_remove(run->directory);
 }
