@@ -303,17 +303,12 @@ static json_t *json_number(double number)
 static json_t *violated_names(const struct scenario *scenario, const double *outcomes)
 {
     json_t *names = json_array();
-    g_autofree bool *named = g_new0(bool, scenario_outcome_count(scenario));
-    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
-        const struct scenario_constraint *constraint = &scenario->constraints[i];
-        const double value = outcomes[constraint->outcome];
-        if ((value >= constraint->min && value <= constraint->max) || named[constraint->outcome]) {
-            continue;
-        }
+    uint32_t violated[SCENARIO_CONSTRAINT_MAX];
+    const uint32_t count = batch_violated(scenario, outcomes, violated);
+    for (uint32_t i = 0; i < count; i++) {
         char name[SCENARIO_OUTCOME_NAME_SIZE];
-        json_array_append_new(
-            names, json_string(scenario_outcome_name(scenario, constraint->outcome, name)));
-        named[constraint->outcome] = true;
+        json_array_append_new(names,
+                              json_string(scenario_outcome_name(scenario, violated[i], name)));
     }
     return names;
 }

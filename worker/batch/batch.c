@@ -76,6 +76,21 @@ struct verdict batch_verdict(const struct scenario *scenario, const double *outc
     return worst;
 }
 
+uint32_t batch_violated(const struct scenario *scenario, const double *outcomes, uint32_t *violated)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
+        const struct scenario_constraint *constraint = &scenario->constraints[i];
+        const double value = outcomes[constraint->outcome];
+        bool named = value >= constraint->min && value <= constraint->max; // then there is no need
+        for (uint32_t known = 0; known < count && !named; known++)
+            named = violated[known] == constraint->outcome;
+        if (!named)
+            violated[count++] = constraint->outcome;
+    }
+    return count;
+}
+
 // Samples first .. first + count - 1 of the step; returns how many had a non-finite outcome.
 static uint32_t evaluate_block(const struct scenario *scenario, const struct model *model,
                                const struct box *box, const struct sampling *sampling,
@@ -156,27 +171,16 @@ static void designs_block(const struct model *model, const double *values, uint3
 }
 
 void batch_evaluate_designs(const struct model *model, const double *values, uint32_t count,
-                            int threads, double *outcomes)
+                            struct batch_scratch *scratch, double *outcomes)
 {
     assert(count > 0);
-    assert(threads > 0);
     const size_t variable_count = model_variable_count(model);
     const size_t outcome_count = model_outcome_count(model);
-    const uint32_t blocks = (count - 1) / MODEL_BLOCK + 1;
-
-    // As in batch_evaluate(): the whole team or none.
-#pragma omp parallel num_threads(threads) if (threads > 1 && blocks > 1)
-    {
-        struct batch_scratch scratch = {0};
-        scratch_fit(&scratch, model);
-#pragma omp for schedule(dynamic, 1)
-        for (uint32_t block = 0; block < blocks; block++) {
-            const size_t done = (size_t)block * MODEL_BLOCK;
-            const uint32_t left = count - (uint32_t)done;
-            designs_block(model, values + done * variable_count,
-                          left < MODEL_BLOCK ? left : MODEL_BLOCK, &scratch,
-                          outcomes + done * outcome_count);
-        }
-        batch_scratch_fini(&scratch);
+    scratch_fit(scratch, model);
+    for (size_t done = 0; done < count; done += MODEL_BLOCK) {
+        const uint32_t left = count - (uint32_t)done;
+        designs_block(model, values + done * variable_count,
+                      left < MODEL_BLOCK ? left : MODEL_BLOCK, scratch,
+                      outcomes + done * outcome_count);
     }
 }

@@ -41,12 +41,12 @@ uint32_t batch_evaluate(const struct scenario *scenario, const struct model *mod
                         const struct box *box, const struct batch *batch, int threads,
                         struct verdict *verdicts);
 
-// The outcomes of given designs, on `threads` (1 ..) OpenMP threads: values[design * variables +
+// The outcomes of given designs, in the thread that owns `scratch`: values[design * variables +
 // variable] are those of `count` (1 ..) designs, outcomes[design * outcomes + outcome] receives all
 // that the model has. A design gives the same bits wherever it stands, among whatever others, and
 // the same as by sampling.
 void batch_evaluate_designs(const struct model *model, const double *values, uint32_t count,
-                            int threads, double *outcomes);
+                            struct batch_scratch *scratch, double *outcomes);
 
 // The verdict on one design from its outcomes (outcomes[outcome * stride], all that the scenario's
 // model has): good, or the constraint it violates most, the first of equals. A design with any
@@ -54,5 +54,11 @@ void batch_evaluate_designs(const struct model *model, const double *values, uin
 // concerns, else against constraint 0.
 struct verdict batch_verdict(const struct scenario *scenario, const double *outcomes,
                              size_t stride);
+
+// The outcomes of one design (outcomes[outcome], all that the model has) whose constraints are not
+// met, each once, in the order of the constraints. Fills `violated`, which has room for one a
+// constraint, and returns how many there are.
+uint32_t batch_violated(const struct scenario *scenario, const double *outcomes,
+                        uint32_t *violated);
 
 #endif

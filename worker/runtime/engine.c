@@ -177,20 +177,20 @@ static void evaluate_samples(struct claim *claim, struct batch_scratch *scratch)
                             claim->begin, claim->count, scratch, claim->job->verdicts);
 }
 
-static void evaluate_designs(const struct claim *claim)
+static void evaluate_designs(const struct claim *claim, struct batch_scratch *scratch)
 {
     const struct intake_work *work = &claim->job->work;
     const size_t variables = model_variable_count(work->model);
     const size_t outcomes = model_outcome_count(work->model);
     batch_evaluate_designs(work->model, work->identity.designs + claim->begin * variables,
-                           claim->count, 1, claim->job->outcomes + claim->begin * outcomes);
+                           claim->count, scratch, claim->job->outcomes + claim->begin * outcomes);
 }
 
 static void claim_evaluate(struct claim *claim, struct batch_scratch *scratch)
 {
     const int64_t start_ns = clock_monotonic_ns();
     if (claim->job->work.identity.designs != NULL)
-        evaluate_designs(claim);
+        evaluate_designs(claim, scratch);
     else
         evaluate_samples(claim, scratch);
     claim->busy_ns = clock_monotonic_ns() - start_ns;

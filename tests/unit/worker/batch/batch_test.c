@@ -214,8 +214,8 @@ static void verdicts_are_those_of_each_sample(void **state)
     free(outcome);
 }
 
-// Given designs have the outcomes that the model gives each of them alone, over any threads and
-// wherever one stands: no outcome may slip into a neighbour's row.
+// Given designs have the outcomes that the model gives each of them alone, wherever one stands and
+// however they are cut: no outcome may slip into a neighbour's row.
 static void given_designs_have_the_outcomes_of_each(void **state)
 {
     (void)state;
@@ -230,8 +230,13 @@ static void given_designs_have_the_outcomes_of_each(void **state)
         for (uint32_t v = 0; v < variables; v++)
             values[i * variables + v] = space->lower[v] + (space->upper[v] - space->lower[v]) *
                                                               (i * 7 + v * 3) / (9 * COUNT);
-    batch_evaluate_designs(model, values, COUNT, 1, found[0]);
-    batch_evaluate_designs(model, values, COUNT, 3, found[1]);
+    struct batch_scratch scratch = {0};
+    batch_evaluate_designs(model, values, COUNT, &scratch, found[0]);
+    for (uint32_t done = 0; done < COUNT; done += 37)
+        batch_evaluate_designs(model, values + done * variables,
+                               COUNT - done < 37 ? COUNT - done : 37, &scratch,
+                               found[1] + done * outcomes);
+    batch_scratch_fini(&scratch);
     assert_memory_equal(found[0], found[1], (size_t)COUNT * outcomes * sizeof(double));
 
     double *column = aligned_alloc(64, variables * MODEL_BLOCK * sizeof *column);

@@ -107,7 +107,9 @@ static void assert_outcomes_right(const struct engine_job *job)
     const uint32_t count = job->work.identity.batch.count;
     const size_t outcome_count = (size_t)count * model_outcome_count(model);
     double *outcomes = g_new(double, outcome_count);
-    batch_evaluate_designs(model, job->work.identity.designs, count, 1, outcomes);
+    struct batch_scratch scratch = {0};
+    batch_evaluate_designs(model, job->work.identity.designs, count, &scratch, outcomes);
+    batch_scratch_fini(&scratch);
     assert_int_equal(job->outcome_count, outcome_count);
     assert_memory_equal(job->outcomes, outcomes, outcome_count * sizeof(double));
     g_free(outcomes);
