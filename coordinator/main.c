@@ -1,22 +1,25 @@
 // sobox-coordinator: reads a scenario or a sweep, runs its searches on the workers, writes the run
-// folder.
+// folder. Or it evaluates a table of designs on them.
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
+#include "common/numeric/identity.h"
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep.h"
 #include "common/wire/key.h"
 #include "coordinator/report/report.h"
 #include "coordinator/runtime/children.h"
 #include "coordinator/runtime/coordinator.h"
+#include "coordinator/runtime/evaluate.h"
 #include "coordinator/runtime/preview.h"
 #include "coordinator/runtime/run.h"
 #include "worker/runtime/worker.h"
 
 #include <glib.h>
 #include <glib/gstdio.h>
+#include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,7 +29,10 @@ static const char program_summary[] =
     "and writes them, with the journal of the search, into a run folder.\n"
     "\n"
     "Without --url and --workers a worker runs inside this process on all cores, and nothing\n"
-    "touches the network. A file with the key `sweep` is a sweep: a search for each of its cases.";
+    "touches the network. A file with the key `sweep` is a sweep: a search for each of its cases.\n"
+    "With --evaluate nothing is searched: the designs of a table are simulated, and their "
+    "outcomes\n"
+    "written into outcomes.csv in the run folder.";
 
 static const char program_description[] =
     "Examples:\n"
@@ -37,6 +43,7 @@ static const char program_description[] =
     "  sobox-coordinator --resume runs/sedan-two-springs\n"
     "  sobox-coordinator masses.yaml --dry-run\n"
     "  sobox-coordinator masses.yaml --only 'mass=1500,*'\n"
+    "  sobox-coordinator --evaluate designs.csv sedan-two-springs.yaml --out study\n"
     "  sobox-coordinator --new-key sobox.key\n"
     "\n"
     "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 finished, but no "
@@ -46,6 +53,10 @@ static const char program_description[] =
 enum {
     WORKERS_MAX = 256,  // processes of one machine
     THREADS_MAX = 1024, // of one process
+    MTU_NOT_GIVEN = -1,
+    // Between processes of one machine frames have no say. Of this size six fit the receive buffer
+    // that a kernel grants everyone, and larger ones make nothing faster.
+    MTU_LOCAL = 32000, // [bytes]
 };
 
 struct options {
@@ -59,6 +70,8 @@ struct options {
     char *seed;
     char *only;
     char *shard;
+    char *evaluate;
+    char *outcomes;
     struct run_choice choice; // from only, shard, stop_after and keep_going
     int stop_after;
     gboolean keep_going;
@@ -82,6 +95,8 @@ static void options_fini(struct options *options)
     g_free(options->seed);
     g_free(options->only);
     g_free(options->shard);
+    g_free(options->evaluate);
+    g_free(options->outcomes);
     g_strfreev(options->set);
 }
 
@@ -93,7 +108,8 @@ static enum status check_ranges(const struct options *options, struct error *err
     if (options->threads < 0 || options->threads > THREADS_MAX)
         return error_set(error, STATUS_INVALID, "--threads %d: expected 0 (all processors) to %d",
                          options->threads, THREADS_MAX);
-    if (options->mtu < WIRE_MTU_DEFAULT || options->mtu > WIRE_MTU_MAX)
+    if (options->mtu != MTU_NOT_GIVEN &&
+        (options->mtu < WIRE_MTU_DEFAULT || options->mtu > WIRE_MTU_MAX))
         return error_set(error, STATUS_INVALID, "--mtu %d: expected %d to %d bytes", options->mtu,
                          WIRE_MTU_DEFAULT, WIRE_MTU_MAX);
     return STATUS_OK;
@@ -142,13 +158,30 @@ static const char *sweep_option(const struct options *options)
                                       : NULL;
 }
 
+static enum status check_evaluate(const struct options *options, struct error *error)
+{
+    if (options->outcomes != NULL && (options->evaluate == NULL || options->resume != NULL))
+        return error_set(error, STATUS_INVALID,
+                         "--outcomes goes with --evaluate, when it is begun");
+    if (options->evaluate == NULL)
+        return STATUS_OK;
+    if (options->seed != NULL || sweep_option(options) != NULL)
+        return error_set(error, STATUS_INVALID, "--evaluate searches nothing: it goes without %s",
+                         options->seed != NULL ? "--seed" : sweep_option(options));
+    if (options->scenario != NULL && sweep_detect(options->scenario))
+        return error_set(error, STATUS_INVALID,
+                         "--evaluate goes with a scenario, and %s is a sweep", options->scenario);
+    return STATUS_OK;
+}
+
 static enum status check_together(const struct options *options, struct error *error)
 {
     if (options->new_key != NULL) {
-        if (options->scenario != NULL || options->resume != NULL || options->key_file != NULL)
+        if (options->scenario != NULL || options->resume != NULL || options->key_file != NULL ||
+            options->evaluate != NULL)
             return error_set(error, STATUS_INVALID,
-                             "--new-key makes a key and ends: it goes without a scenario, --resume "
-                             "and --key-file");
+                             "--new-key makes a key and ends: it goes without a scenario, "
+                             "--evaluate, --resume and --key-file");
         return STATUS_OK;
     }
     if (options->resume != NULL) {
@@ -185,7 +218,7 @@ static enum status check_together(const struct options *options, struct error *e
 static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
 {
-    *options = (struct options){.mtu = WIRE_MTU_DEFAULT};
+    *options = (struct options){.mtu = MTU_NOT_GIVEN};
     // FILENAME takes the bytes as they come. STRING would convert them from the alphabet of the
     // locale, and programs that write the same numbers everywhere set none.
     const GOptionEntry entries[] = {
@@ -212,7 +245,10 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"threads", 't', 0, G_OPTION_ARG_INT, &options->threads,
          "Threads of this process and of each worker it starts (default: all processors)", "N"},
         {"mtu", 0, 0, G_OPTION_ARG_INT, &options->mtu,
-         "Greatest message in bytes, the same for all workers (default: 1400)", "BYTES"},
+         "Greatest message in bytes, the same for all workers (default: 1400; for --evaluate "
+         "without "
+         "--url 32000)",
+         "BYTES"},
         {"only", 0, 0, G_OPTION_ARG_FILENAME, &options->only,
          "Of a sweep run the cases whose names match, for instance 'mass=1500,*'", "PATTERN"},
         {"shard", 0, 0, G_OPTION_ARG_STRING, &options->shard,
@@ -223,6 +259,12 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Leave out cases of a sweep whose scenario is invalid, and say which", NULL},
         {"dry-run", 0, 0, G_OPTION_ARG_NONE, &options->dry_run,
          "Print the cases of a sweep, estimate its time from a short measurement, and end", NULL},
+        {"evaluate", 'e', 0, G_OPTION_ARG_FILENAME, &options->evaluate,
+         "Evaluate the designs of this table, a row each, a column a variable as result.json names "
+         "them; - is standard input",
+         "DESIGNS.csv"},
+        {"outcomes", 0, 0, G_OPTION_ARG_STRING, &options->outcomes,
+         "With --evaluate write these only, for instance s_L,AbWAP (default: all)", "NAMES"},
         {"resume", 'r', 0, G_OPTION_ARG_FILENAME, &options->resume,
          "Continue the run in this folder, to the same bits", "DIR"},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show the result and errors only",
@@ -251,6 +293,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         status = check_ranges(options, error);
     if (status == STATUS_OK && !options->version)
         status = check_choice(options, error);
+    if (status == STATUS_OK && !options->version)
+        status = check_evaluate(options, error);
     if (status == STATUS_OK && !options->version)
         status = check_together(options, error);
     return status;
@@ -309,17 +353,6 @@ static enum status open_run(struct run *run, const struct options *options, int 
     return status;
 }
 
-// The number that names this process on the network.
-static uint64_t sender_number(void)
-{
-    uint64_t sender;
-    do {
-        randombytes_buf(&sender, sizeof sender);
-        sender >>= 1; // positive as the signed number that travels
-    } while (sender == 0);
-    return sender;
-}
-
 // Says who can take part: those who have the key, or anyone.
 static void note_key(const struct wire *wire, const struct key *key)
 {
@@ -331,13 +364,26 @@ static void note_key(const struct wire *wire, const struct key *key)
                  "and read along; see --key-file");
 }
 
+// What is to be carried out: one of the two.
+struct job {
+    struct run *run;
+    struct evaluate *evaluate;
+};
+
+static uint32_t mtu_of(const struct options *options, const struct job *job)
+{
+    if (options->mtu != MTU_NOT_GIVEN)
+        return (uint32_t)options->mtu;
+    return job->evaluate != NULL && options->url == NULL ? MTU_LOCAL : WIRE_MTU_DEFAULT;
+}
+
 // Opens the wire the options ask for, with a worker of its own where there is no other, and runs.
-static enum status run_on_wire(struct run *run, const struct options *options, int threads,
+static enum status run_on_wire(const struct job *job, const struct options *options, int threads,
                                const char *url, const struct key *key, struct children *children,
                                struct error *error)
 {
-    const uint64_t sender = sender_number();
-    const struct wire_settings settings = {.url = url, .mtu = (uint32_t)options->mtu, .key = key};
+    const uint64_t sender = identity_random();
+    const struct wire_settings settings = {.url = url, .mtu = mtu_of(options, job), .key = key};
     struct wire *wire = NULL;
     enum status status = wire_open(&wire, &settings, sender, error);
     if (status != STATUS_OK)
@@ -353,7 +399,9 @@ static enum status run_on_wire(struct run *run, const struct options *options, i
     if (status == STATUS_OK) {
         const struct coordinator_settings coordinator = {
             .url = url, .children = children, .open = options->url != NULL, .threads = threads};
-        status = coordinator_run(run, wire, sender, &coordinator, error);
+        status = job->evaluate != NULL
+                     ? evaluate_run(job->evaluate, wire, &coordinator, error)
+                     : coordinator_run(job->run, wire, sender, &coordinator, error);
     }
     worker_stop(worker);
     wire_close(wire);
@@ -361,8 +409,8 @@ static enum status run_on_wire(struct run *run, const struct options *options, i
 }
 
 // Starts local workers first: LCM does not survive a fork.
-static enum status run_with_workers(struct run *run, const struct options *options, int threads,
-                                    const struct key *key, struct error *error)
+static enum status run_with_workers(const struct job *job, const struct options *options,
+                                    int threads, const struct key *key, struct error *error)
 {
     char *url = NULL;
     if (options->url != NULL)
@@ -378,13 +426,13 @@ static enum status run_with_workers(struct run *run, const struct options *optio
             .url = url,
             .key_file = options->key_file,
             .threads = options->threads,
-            .mtu = (uint32_t)options->mtu,
+            .mtu = mtu_of(options, job),
             .verbose = options->verbose,
         };
         status = children_start(&children, &settings, error);
     }
     if (status == STATUS_OK)
-        status = run_on_wire(run, options, threads, url, key, children, error);
+        status = run_on_wire(job, options, threads, url, key, children, error);
     children_stop(children);
     g_free(url);
     return status;
@@ -429,7 +477,7 @@ static int run_scenario(const struct options *options, const struct key *key, st
         return (int)status_exit(status);
 
     log_debug("run folder %s", run.directory);
-    status = run_with_workers(&run, options, threads, key, error);
+    status = run_with_workers(&(struct job){.run = &run}, options, threads, key, error);
     int exit_code = (int)status_exit(status);
     if (status == STATUS_OK) {
         status = show(run.directory, error);
@@ -442,6 +490,65 @@ static int run_scenario(const struct options *options, const struct key *key, st
     return exit_code;
 }
 
+// Begins an evaluation, or takes up the one in the folder to be resumed, perhaps with a table that
+// has moved.
+static enum status open_evaluation(struct evaluation *evaluation, const struct options *options,
+                                   struct error *error)
+{
+    if (options->resume != NULL) {
+        enum status status =
+            evaluation_resume(evaluation, options->resume, clock_monotonic_ns(), error);
+        if (status == STATUS_OK && options->evaluate != NULL) {
+            g_free(evaluation->designs);
+            evaluation->designs = g_strdup(options->evaluate);
+        }
+        return status;
+    }
+    struct scenario scenario;
+    guint overrides = options->set != NULL ? g_strv_length(options->set) : 0;
+    enum status status = scenario_read_file(&scenario, options->scenario,
+                                            (const char *const *)options->set, overrides, error);
+    if (status == STATUS_OK)
+        status = evaluation_create(evaluation, options->out, &scenario, options->evaluate,
+                                   options->outcomes, clock_monotonic_ns(), error);
+    scenario_fini(&scenario);
+    return status;
+}
+
+static void print_evaluation(const struct evaluation *evaluation)
+{
+    const double designs = (double)MAX(evaluation->rows, 1);
+    printf("%s: %" PRIu64 " designs, %" PRIu64 " good (%.3g %%)", evaluation->scenario.name,
+           evaluation->rows, evaluation->sums.good, 100 * (double)evaluation->sums.good / designs);
+    if (evaluation->sums.non_finite > 0)
+        printf(", %" PRIu64 " without a finite outcome", evaluation->sums.non_finite);
+    printf("\noutcomes: %s/outcomes.csv\n", evaluation->directory);
+}
+
+static int run_evaluation(const struct options *options, const struct key *key, struct error *error)
+{
+    const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
+    struct evaluation evaluation = {.file = -1};
+    struct evaluate evaluate = {0};
+    enum status status = open_evaluation(&evaluation, options, error);
+    if (status != STATUS_OK)
+        return (int)status_exit(status);
+    status = evaluate_open(&evaluate, &evaluation, error);
+    if (status == STATUS_OK)
+        status =
+            run_with_workers(&(struct job){.evaluate = &evaluate}, options, threads, key, error);
+    evaluate_close(&evaluate);
+    if (status == STATUS_OK)
+        print_evaluation(&evaluation);
+    else if (evaluation.rows == 0 && options->resume == NULL)
+        evaluation_abandon(&evaluation); // it never began
+    else if (status != STATUS_INTERRUPTED)
+        log_note("%" PRIu64 " designs are evaluated; continue with 'sobox-coordinator --resume %s'",
+                 evaluation.rows, evaluation.directory);
+    evaluation_fini(&evaluation);
+    return (int)status_exit(status);
+}
+
 static int run_with_key(const struct options *options, struct error *error)
 {
     struct key *key = NULL;
@@ -450,7 +557,10 @@ static int run_with_key(const struct options *options, struct error *error)
         if (status != STATUS_OK)
             return (int)status_exit(status);
     }
-    int exit_code = run_scenario(options, key, error);
+    const bool evaluation =
+        options->resume != NULL ? evaluation_present(options->resume) : options->evaluate != NULL;
+    int exit_code =
+        evaluation ? run_evaluation(options, key, error) : run_scenario(options, key, error);
     key_free(key);
     return exit_code;
 }

@@ -87,10 +87,15 @@ static enum status check_folder(const char *directory, struct error *error)
     char *journal = g_build_filename(directory, "run.db", NULL);
     bool is_run = g_file_test(journal, G_FILE_TEST_EXISTS);
     g_free(journal);
-    if (!is_run)
-        return error_set(error, STATUS_INVALID, "%s: not a run folder: there is no run.db in it",
-                         directory);
-    return STATUS_OK;
+    if (is_run)
+        return STATUS_OK;
+    char *evaluation = g_build_filename(directory, "evaluation.json", NULL);
+    const bool is_evaluation = g_file_test(evaluation, G_FILE_TEST_EXISTS);
+    g_free(evaluation);
+    return error_set(error, STATUS_INVALID, "%s: %s", directory,
+                     is_evaluation ? "an evaluation of designs has no corridors to report: what "
+                                     "came of it is in its outcomes.csv"
+                                   : "not a run folder: there is no run.db in it");
 }
 
 // Options of curves that go out or come in.

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 // 12300 as "12.3 k", 4560000 as "4.56 M".
-static const char *short_number(double value, char text[16])
+const char *progress_number(double value, char text[16])
 {
     if (value < 1e4)
         snprintf(text, 16, "%.0f", value);
@@ -67,8 +67,8 @@ void progress_show(struct progress *progress, const struct run *run,
                      run->done_count, run->record.search_count, run->open_count,
                      run->chosen_count - run->finished_count - run->open_count,
                      time_left(run, now_ns, left),
-                     short_number((double)counters->samples_counted, designs),
-                     short_number(rate, speed), workers);
+                     progress_number((double)counters->samples_counted, designs),
+                     progress_number(rate, speed), workers);
         return;
     }
     if (run->open[0] == NULL)
@@ -78,7 +78,7 @@ void progress_show(struct progress *progress, const struct run *run,
     log_progress("%s, step %u of about %u | %.0f %% good | ln(volume) %.2f | %s designs, %s/s | %s",
                  search_phase_name(search.phase), search.step, search.step_count,
                  100 * search.good_share, search.log_volume,
-                 short_number((double)search.evaluations, designs), short_number(rate, speed),
+                 progress_number((double)search.evaluations, designs), progress_number(rate, speed),
                  workers);
 }
 

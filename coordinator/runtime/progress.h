@@ -15,6 +15,9 @@ struct progress {
 void progress_show(struct progress *progress, const struct run *run,
                    const struct schedule_counters *counters, int64_t now_ns);
 
+// "123", "12.3 k", "4.56 M". Returns `text`.
+const char *progress_number(double value, char text[16]);
+
 // "12 s", "34 min", "5.6 h", "7.8 days". Returns `text`.
 const char *progress_duration(double seconds, char text[32]);
 
