@@ -7,6 +7,8 @@
 #include "common/numeric/digest.h"
 #include "common/numeric/identity.h"
 #include "common/wire/key.h"
+#include "common/wire/survey.h"
+#include "common/wire/url.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
 
@@ -31,6 +33,7 @@ struct options {
     long priority;
     long mtu;
     long parent; // 0: none
+    gboolean check_network;
     gboolean quiet;
     gboolean verbose;
     gboolean version;
@@ -84,6 +87,8 @@ static GOptionContext *options_context(struct options *options)
          "Greatest message, 1400 to 60000 bytes (default: 1400)", "BYTES"},
         {"parent", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
          "End when this process, which must be the parent, ends", "PID"},
+        {"check-network", 0, 0, G_OPTION_ARG_NONE, &options->check_network,
+         "Say what works on this network and what does not, with the remedy, and end", NULL},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Print every decision", NULL},
         {"version", 0, 0, G_OPTION_ARG_NONE, &options->version,
@@ -97,8 +102,9 @@ static GOptionContext *options_context(struct options *options)
     g_option_context_set_summary(context,
                                  "Evaluates designs for the coordinators on the network, on all "
                                  "cores, until it is stopped.");
-    g_option_context_set_description(context, "Exit status: 0 stopped; 1 failed while running; 2 "
-                                              "usage.");
+    g_option_context_set_description(context,
+                                     "Exit status: 0 stopped, or the network is good; 1 failed "
+                                     "while running, or it is not; 2 usage.");
     return context;
 }
 
@@ -188,6 +194,39 @@ static enum status open_wire(struct wire **wire, const struct options *options,
     return wire_open(wire, &settings, sender, error);
 }
 
+// ---- The network ----
+
+static void tell_finding(void *user, enum survey_verdict verdict, const char *text)
+{
+    static const char *const labels[] = {
+        [SURVEY_GOOD] = "good ", [SURVEY_NOTE] = "note ", [SURVEY_WRONG] = "WRONG"};
+    (void)user;
+    printf("%s  %s\n", labels[verdict], text);
+    fflush(stdout);
+}
+
+static enum status check_network(const struct options *options, struct error *error)
+{
+    struct url url;
+    struct key *key = NULL;
+    enum status status = url_parse(&url, url_wanted(options), error);
+    if (status == STATUS_OK && url.memq)
+        status = error_set(error, STATUS_INVALID,
+                           "--check-network: memq:// is no network: expected "
+                           "udpm://ADDRESS:PORT?ttl=N or tcpq://ADDRESS:PORT");
+    if (status == STATUS_OK && options->key_file != NULL)
+        status = key_read(&key, options->key_file, error);
+    if (status != STATUS_OK)
+        return status;
+    printf("%s\n", url_wanted(options));
+    unsigned wrong = survey_network(&url, key, tell_finding, NULL);
+    key_free(key);
+    if (wrong > 0)
+        return error_set(error, STATUS_NETWORK, "%u thing%s wrong with this network", wrong,
+                         wrong == 1 ? " is" : "s are");
+    return STATUS_OK;
+}
+
 static void say_hello(const struct options *options, const struct worker *worker,
                       const struct wire *wire, const struct key *key)
 {
@@ -262,7 +301,7 @@ int main(int argc, char **argv)
         log_start("sobox-worker", options.quiet     ? LOG_QUIET
                                   : options.verbose ? LOG_DEBUG
                                                     : LOG_NORMAL);
-        status = run(&options, &error);
+        status = options.check_network ? check_network(&options, &error) : run(&options, &error);
     }
     if (status != STATUS_OK)
         log_error("%s", error.text);

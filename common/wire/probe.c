@@ -70,10 +70,10 @@ static enum status bind_port(int probe, const struct sockaddr_in *group, struct 
     return error_set(error, STATUS_NETWORK, "cannot listen on port %u: %s", port, strerror(errno));
 }
 
-static enum status join_group(int probe, const struct sockaddr_in *group, struct error *error)
+static enum status join_group(int probe, const struct sockaddr_in *group, int ttl,
+                              struct error *error)
 {
     struct ip_mreq membership = {.imr_multiaddr = group->sin_addr};
-    int ttl = 0;
     setsockopt(probe, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
     if (setsockopt(probe, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0)
         return STATUS_OK;
@@ -102,20 +102,42 @@ static enum status echo(int probe, const struct sockaddr_in *group,
                      inet_ntoa(group->sin_addr), port);
 }
 
+// With a nonce it hears only the packet with this number, from the start.
+static enum status open_probe(int *probe, const struct sockaddr_in *group, int ttl,
+                              const uint32_t *nonce, struct error *error)
+{
+    *probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (*probe < 0)
+        return error_set(error, STATUS_NETWORK, "cannot open a socket: %s", strerror(errno));
+    if (nonce != NULL)
+        filter_nonce(*probe, *nonce);
+    enum status status = bind_port(*probe, group, error);
+    if (status == STATUS_OK)
+        status = join_group(*probe, group, ttl, error);
+    if (status == STATUS_OK)
+        return STATUS_OK;
+    close(*probe);
+    *probe = -1;
+    return status;
+}
+
+enum status probe_join(int *joined, const struct url *url, unsigned index, int ttl,
+                       struct error *error)
+{
+    struct sockaddr_in group = url_socket_address(url, index);
+    return open_probe(joined, &group, ttl, NULL, error);
+}
+
 enum status probe_port(const struct url *url, unsigned index, struct error *error)
 {
     struct sockaddr_in group = url_socket_address(url, index);
     struct probe_packet packet = {
         .magic = htonl(0x4c433032), .channel = "LCM_SELF_TEST", .nonce = randombytes_random()};
-    int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (probe < 0)
-        return error_set(error, STATUS_NETWORK, "cannot open a socket: %s", strerror(errno));
-    filter_nonce(probe, packet.nonce);
-    enum status status = bind_port(probe, &group, error);
-    if (status == STATUS_OK)
-        status = join_group(probe, &group, error);
-    if (status == STATUS_OK)
-        status = echo(probe, &group, &packet, error);
+    int probe;
+    enum status status = open_probe(&probe, &group, 0, &packet.nonce, error);
+    if (status != STATUS_OK)
+        return status;
+    status = echo(probe, &group, &packet, error);
     close(probe);
     return status;
 }

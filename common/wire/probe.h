@@ -19,4 +19,10 @@ enum status probe_route(const struct url *url, struct error *error) MUST_USE;
 // Errors: STATUS_NETWORK with what stands in the way and the remedy.
 enum status probe_port(const struct url *url, unsigned index, struct error *error) MUST_USE;
 
+// Opens a socket of ours that shares port `index` of the group, hears it, and sends to it with this
+// time to live. The caller closes `*joined`, which is -1 when it could not be opened.
+// Errors: STATUS_NETWORK.
+enum status probe_join(int *joined, const struct url *url, unsigned index, int ttl,
+                       struct error *error) MUST_USE;
+
 #endif

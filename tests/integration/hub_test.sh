@@ -65,12 +65,13 @@ hub_killed_and_started_anew_changes_nothing()
     _start_hub
     _start_workers
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --url $hub --out stormy
-    local steps
-    for steps in 2 10 18; do
-        wait_for_steps stormy $steps
+    local when
+    for when in 2 10 18; do
+        hold coordinator stormy $when
         signal KILL hub
         finish 137 hub
         _start_hub
+        go_on coordinator
     done
     finish 0 coordinator
     expect_same_run calm stormy
@@ -84,8 +85,9 @@ hub_that_hangs_can_be_left()
     start worker sobox-worker --url $hub --threads 1
     wait_for_line worker 'listening on'
     start coordinator sobox-coordinator "$scenario" "${steady[@]}" --url $hub --out run
-    wait_for_steps run 1
+    hold coordinator run 1
     signal STOP hub
+    go_on coordinator
     signal TERM worker
     finish 0 worker
     signal INT coordinator
