@@ -3,6 +3,7 @@
 #include "common/base/clock.h"
 #include "common/base/log.h"
 
+#include <math.h>
 #include <stdio.h>
 
 // 12300 as "12.3 k", 4560000 as "4.56 M".
@@ -75,9 +76,12 @@ void progress_show(struct progress *progress, const struct run *run,
         return;
     struct search_progress search;
     search_progress(run->open[0]->search, &search);
-    log_progress("%s, step %u of about %u | %.0f %% good | ln(volume) %.2f | %s designs, %s/s | %s",
+    char volume[16] = "-"; // while there is no box yet
+    if (isfinite(search.log_volume))
+        snprintf(volume, sizeof volume, "%.2f", search.log_volume);
+    log_progress("%s, step %u of about %u | %.0f %% good | ln(volume) %s | %s designs, %s/s | %s",
                  search_phase_name(search.phase), search.step, search.step_count,
-                 100 * search.good_share, search.log_volume,
+                 100 * search.good_share, volume,
                  progress_number((double)search.evaluations, designs), progress_number(rate, speed),
                  workers);
 }

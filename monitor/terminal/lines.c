@@ -6,11 +6,18 @@
 #include <jansson.h>
 #include <math.h>
 
+// No box that is one is smaller: 4,096 variables, each a thousand million million times.
+#define VOLUME_KNOWN_MIN (-1e18)
+
 static void print_search(const struct feed_search *search, FILE *out)
 {
-    fprintf(out, " | %s, step %u of about %u | %.0f %% good | ln(volume) %.2f",
+    fprintf(out, " | %s, step %u of about %u | %.0f %% good | ln(volume) ",
             feed_phase_name(search->phase), search->step, search->step_count,
-            100 * search->good_share, search->log_volume);
+            100 * search->good_share);
+    if (search->log_volume > VOLUME_KNOWN_MIN)
+        fprintf(out, "%.2f", search->log_volume);
+    else
+        fputc('-', out); // while there is no box yet
     if (search->purity_lower95 > 0)
         fprintf(out, " | purity >= %.4f", search->purity_lower95);
 }
