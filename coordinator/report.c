@@ -147,10 +147,12 @@ static enum status options_parse(struct options *options, int argc, char **argv,
     *options = (struct options){.first_id = 1};
     const GOptionEntry entries[] = {
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
-         "Draw the corridors of a second run over those of the first, for springs of one name",
+         "Draw the corridors of a second run over those of the first, for springs of one name, in "
+         "corridors-compared.svg",
          "DIR2"},
         {"normalise", 'n', 0, G_OPTION_ARG_NONE, &options->normalise,
-         "Divide forces and deformations by their greatest value, to share without their numbers",
+         "Divide forces and deformations by their greatest value, to share without their numbers: "
+         "the table, and corridors-normalised.svg",
          NULL},
         {"png", 0, 0, G_OPTION_ARG_NONE, &options->png, "Draw corridors.png, too", NULL},
         {"pdf", 0, 0, G_OPTION_ARG_NONE, &options->pdf, "Draw corridors.pdf, too", NULL},
@@ -324,7 +326,7 @@ static enum status report(const struct options *options, struct error *error)
     if (drawn == STATUS_INVALID)
         return drawn;
     struct error unprinted = {0};
-    status = report_print(options->directory, stdout, &unprinted);
+    status = report_print(options->directory, options->normalise, stdout, &unprinted);
     if (drawn != STATUS_OK)
         return drawn;
     if (status != STATUS_OK)

@@ -90,17 +90,24 @@ static char *legend_label(const struct run_data_search *search, const struct run
 
 // ---- where it goes ----
 
-static char *output_path(const char *directory, const struct report_plot *plot)
+char *plot_output(const char *directory, const char *name, const struct report_plot *plot)
 {
     if (plot->output != NULL)
         return g_strdup(plot->output);
-    char name[32];
-    if (plot->search == 0)
-        g_snprintf(name, sizeof name, "corridors.%s", report_format_name(plot->format));
-    else
-        g_snprintf(name, sizeof name, "corridors-%" PRIu32 ".%s", plot->search,
-                   report_format_name(plot->format));
-    return g_build_filename(directory, name, NULL);
+    char *file =
+        g_strdup_printf("%s%s%s.%s", name, plot->compare != NULL ? "-compared" : "",
+                        plot->normalise ? "-normalised" : "", report_format_name(plot->format));
+    char *path = g_build_filename(directory, file, NULL);
+    g_free(file);
+    return path;
+}
+
+static char *corridors_output(const char *directory, const struct report_plot *plot)
+{
+    char name[32] = "corridors";
+    if (plot->search > 0)
+        g_snprintf(name, sizeof name, "corridors-%" PRIu32, plot->search);
+    return plot_output(directory, name, plot);
 }
 
 // The path without its ending: "run/corridors" of "run/corridors.svg".
@@ -194,7 +201,7 @@ enum status report_draw(const char *directory, const struct report_plot *plot, s
     if (status == STATUS_OK) {
         char *label = legend_label(&search, other, directory);
         char *other_label = other != NULL ? legend_label(other, &search, plot->compare) : NULL;
-        char *output = output_path(directory, plot);
+        char *output = corridors_output(directory, plot);
         struct figure figure = {.search = &search,
                                 .other = other,
                                 .search_label = label,

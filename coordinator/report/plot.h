@@ -15,6 +15,10 @@ enum status plot_write(const char *script, const char *output, enum report_forma
 // The caller frees it. Errors: STATUS_FAILED, STATUS_IO.
 enum status plot_inline(const char *script, char **svg, struct error *error) MUST_USE;
 
+// Where a picture goes: plot->output, or a file of the run folder named NAME.FORMAT, with -compared
+// and -normalised behind the name where it is. The caller frees it.
+char *plot_output(const char *directory, const char *name, const struct report_plot *plot);
+
 // The name of a picture's file without folder and ending, for its script. The caller frees it.
 char *plot_stem(const char *output);
 

@@ -20,7 +20,9 @@ struct report_plot {
     uint32_t search;     // index of the search to draw; 0 unless the run is a sweep
     const char *compare; // second run folder, its first search drawn over this one, or NULL
     bool normalise; // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown
-    const char *output; // file to write; NULL: corridors.FORMAT in the run folder
+    // File to write; NULL: corridors.FORMAT in the run folder. What is compared or normalised is
+    // another picture and says so: corridors-compared.svg, corridors-normalised.svg.
+    const char *output;
 };
 
 // Writes result.json, corridors.csv, history.csv and, of a sweep, summary.csv into the run folder;
@@ -51,9 +53,9 @@ enum status report_draw(const char *directory, const struct report_plot *plot,
                         struct error *error) MUST_USE;
 
 // Draws the corridors of a sweep's cases whose names match `pattern` (with * ? []) over each other,
-// at most eight; into cases.FORMAT unless `plot` says otherwise, of which search and compare are
-// not looked at. Errors: STATUS_INVALID (no sweep; none matches, or too many; no springs), and
-// those of report_draw().
+// at most eight; into cases.FORMAT (or cases-normalised.FORMAT) unless `plot` says otherwise, of
+// which search and compare are not looked at. Errors: STATUS_INVALID (no sweep; none matches, or
+// too many; no springs), and those of report_draw().
 enum status report_draw_cases(const char *directory, const char *pattern,
                               const struct report_plot *plot, struct error *error) MUST_USE;
 
@@ -105,7 +107,9 @@ enum status report_check(const char *directory, const struct report_check *check
                          bool *inside, struct error *error) MUST_USE;
 
 // Prints the corridors, the purity with its bound, the cost and the files to `out`; of a sweep one
-// line a search. Errors: STATUS_IO, and those of journal_open().
-enum status report_print(const char *directory, FILE *out, struct error *error) MUST_USE;
+// line a search. With `normalise` forces, deformations and variables are shares as in the pictures,
+// and bounds of constraints are left out. Errors: STATUS_IO, and those of journal_open().
+enum status report_print(const char *directory, bool normalise, FILE *out,
+                         struct error *error) MUST_USE;
 
 #endif

@@ -83,14 +83,6 @@ static bool all_have_springs(const struct chosen *chosen)
     return true;
 }
 
-static char *default_output(const char *directory, const char *name, enum report_format format)
-{
-    char *file = g_strdup_printf("%s.%s", name, report_format_name(format));
-    char *path = g_build_filename(directory, file, NULL);
-    g_free(file);
-    return path;
-}
-
 enum status report_draw_cases(const char *directory, const char *pattern,
                               const struct report_plot *plot, struct error *error)
 {
@@ -108,8 +100,9 @@ enum status report_draw_cases(const char *directory, const char *pattern,
                            "--cases: corridors are drawn over deformation, and %s has no springs",
                            chosen.data.run.name);
     if (status == STATUS_OK) {
-        char *output = plot->output != NULL ? g_strdup(plot->output)
-                                            : default_output(directory, "cases", plot->format);
+        const struct report_plot named = {
+            .format = plot->format, .normalise = plot->normalise, .output = plot->output};
+        char *output = plot_output(directory, "cases", &named);
         char *stem = plot_stem(output), *script = chosen_script(&chosen, stem, plot->normalise);
         status = plot_write(script, output, plot->format, error);
         g_free(script);
@@ -169,8 +162,9 @@ enum status report_draw_volume(const char *directory, const char *against,
     enum status status = rows_read(&rows, directory, error);
     if (status != STATUS_OK)
         return status;
-    char *output = plot->output != NULL ? g_strdup(plot->output)
-                                        : default_output(directory, "volume", plot->format);
+    // Volumes are shares already.
+    const struct report_plot named = {.format = plot->format, .output = plot->output};
+    char *output = plot_output(directory, "volume", &named);
     char *stem = plot_stem(output), *script = NULL;
     status = volume_script(&rows, against, stem, &script, error);
     if (status == STATUS_OK)

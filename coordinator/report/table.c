@@ -7,6 +7,46 @@
 #include <math.h>
 #include <string.h>
 
+// ---- units, or none ----
+
+// What a column's numbers are: (value - from) / span. With units kilonewtons and metres;
+// normalised, as in the pictures, shares of all forces of a direction and of each spring's
+// deformation, which tell nobody what the car is made of.
+struct measure {
+    double from, span;
+    int decimals;
+    const char *unit;
+};
+
+struct measures {
+    struct measure force[SCENARIO_DIRECTION_COUNT];
+    struct measure deformation;
+};
+
+static double measured(const struct measure *measure, double value)
+{
+    return (value - measure->from) / measure->span;
+}
+
+static struct measure share_between(double least, double greatest)
+{
+    return (struct measure){
+        .from = least, .span = greatest > least ? greatest - least : 1, .decimals = 3, .unit = ""};
+}
+
+static struct measure force_share(const struct scenario *scenario,
+                                  enum scenario_direction direction)
+{
+    double least = INFINITY, greatest = -INFINITY;
+    for (uint32_t i = 0; i < scenario->design_space.count; i++) {
+        if (scenario->variables[i].direction != direction)
+            continue;
+        least = fmin(least, scenario->design_space.lower[i]);
+        greatest = fmax(greatest, scenario->design_space.upper[i]);
+    }
+    return share_between(least, greatest);
+}
+
 // ---- corridors ----
 
 // Enough decimals of a kilonewton that the corridors of weak parts can be told apart.
@@ -19,33 +59,49 @@ static int force_decimals(const struct scenario_spring *spring)
     return greatest >= 100e3 ? 1 : greatest >= 10e3 ? 2 : 3;
 }
 
-static void print_interval(const struct run_data_search *search, uint32_t variable, int decimals,
-                           FILE *out)
+static struct measures measures_of(const struct scenario *scenario,
+                                   const struct scenario_spring *spring, bool normalise)
+{
+    if (normalise)
+        return (struct measures){.force = {force_share(scenario, SCENARIO_DIRECTION_X),
+                                           force_share(scenario, SCENARIO_DIRECTION_Y)},
+                                 .deformation =
+                                     share_between(spring->deformation[0],
+                                                   spring->deformation[spring->point_count - 1])};
+    const struct measure force = {.span = 1e3, .decimals = force_decimals(spring), .unit = "[kN]"};
+    return (struct measures){.force = {force, force},
+                             .deformation = {.span = 1, .decimals = 3, .unit = "[m]"}};
+}
+
+static void print_interval(const struct run_data_search *search, uint32_t variable,
+                           const struct measure *force, FILE *out)
 {
     const struct box *space = &search->scenario.design_space, *box = search->box;
     double width = space->upper[variable] - space->lower[variable];
-    fprintf(out, " %11.*f %9.*f", decimals, box->lower[variable] * 1e-3, decimals,
-            box->upper[variable] * 1e-3);
+    fprintf(out, " %11.*f %9.*f", force->decimals, measured(force, box->lower[variable]),
+            force->decimals, measured(force, box->upper[variable]));
     if (width > 0)
         fprintf(out, " %8.1f", 100 * (box->upper[variable] - box->lower[variable]) / width);
     else
         fprintf(out, " %8s", "fixed");
 }
 
-static void print_spring(const struct run_data_search *search, uint32_t index, FILE *out)
+static void print_spring(const struct run_data_search *search, uint32_t index, bool normalise,
+                         FILE *out)
 {
     const struct scenario_spring *spring = &search->scenario.springs[index];
-    int decimals = force_decimals(spring);
+    const struct measures measures = measures_of(&search->scenario, spring, normalise);
+    const char *force_unit = measures.force[0].unit;
     fprintf(out, "\n%s\n", spring->name);
     fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", "deformation", "F_x lower", "upper", "share",
             "F_y lower", "upper", "share");
-    fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", "[m]", "[kN]", "[kN]", "[%]", "[kN]", "[kN]",
-            "[%]");
+    fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", measures.deformation.unit, force_unit,
+            force_unit, "[%]", force_unit, force_unit, "[%]");
     for (uint32_t k = 0; k < spring->point_count; k++) {
-        fprintf(out, "%12.3f", spring->deformation[k]);
+        fprintf(out, "%12.3f", measured(&measures.deformation, spring->deformation[k]));
         for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
             print_interval(search, run_data_variable(search, index, (enum scenario_direction)d, k),
-                           decimals, out);
+                           &measures.force[d], out);
         fputc('\n', out);
     }
 }
@@ -53,21 +109,26 @@ static void print_spring(const struct run_data_search *search, uint32_t index, F
 // ---- variables that are no spring's ----
 
 static void print_variable(const struct run_data_search *search, uint32_t index, int name_width,
-                           FILE *out)
+                           bool normalise, FILE *out)
 {
     const struct box *space = &search->scenario.design_space, *box = search->box;
     const double width = space->upper[index] - space->lower[index];
+    const struct measure measure = normalise
+                                       ? share_between(space->lower[index], space->upper[index])
+                                       : (struct measure){.span = 1};
     fprintf(out, "%-*.*s %12.6g %12.6g", name_width, name_width,
-            search->scenario.variables[index].name, box->lower[index], box->upper[index]);
+            search->scenario.variables[index].name, measured(&measure, box->lower[index]),
+            measured(&measure, box->upper[index]));
     if (width > 0)
         fprintf(out, " %7.1f", 100 * (box->upper[index] - box->lower[index]) / width);
     else
         fprintf(out, " %7s", "fixed");
-    fprintf(out, " %11.5g %11.5g\n", space->lower[index], space->upper[index]);
+    fprintf(out, " %11.5g %11.5g\n", measured(&measure, space->lower[index]),
+            measured(&measure, space->upper[index]));
 }
 
 // Names of their own have no unit that the program knows.
-static void print_variables(const struct run_data_search *search, FILE *out)
+static void print_variables(const struct run_data_search *search, bool normalise, FILE *out)
 {
     enum { WIDTH_MIN = 8, WIDTH_MAX = 20 }; // columns, so that a line has at most 80
     int name_width = WIDTH_MIN;
@@ -79,7 +140,7 @@ static void print_variables(const struct run_data_search *search, FILE *out)
             "share", "design from", "to");
     fprintf(out, "%-*s %12s %12s %7s\n", name_width, "", "", "", "[%]");
     for (uint32_t i = 0; i < count; i++)
-        print_variable(search, i, name_width, out);
+        print_variable(search, i, name_width, normalise, out);
 }
 
 // ---- how it went ----
@@ -106,7 +167,7 @@ static const char *status_meaning(const char *status)
 }
 
 // Which constraint is worst violated by most samples, and by how many: what to relax first.
-static void print_obstacle(const struct run_data_search *search, FILE *out)
+static void print_obstacle(const struct run_data_search *search, bool normalise, FILE *out)
 {
     const struct scenario *scenario = &search->scenario;
     uint32_t worst = 0;
@@ -118,6 +179,11 @@ static void print_obstacle(const struct run_data_search *search, FILE *out)
     const struct scenario_constraint *constraint = &scenario->constraints[worst];
     char name[SCENARIO_OUTCOME_NAME_SIZE], bad[NUMBER_SIZE], judged[NUMBER_SIZE];
     fprintf(out, "in the way   %s", scenario_outcome_name(scenario, constraint->outcome, name));
+    if (normalise) {
+        fprintf(out, ": violated worst by %s of %s samples\n",
+                number_count(search->worst[worst], bad), number_count(search->judged, judged));
+        return;
+    }
     if (isfinite(constraint->min))
         fprintf(out, " >= %g", constraint->min);
     if (isfinite(constraint->max))
@@ -169,18 +235,18 @@ static void print_title(const struct run_data_search *search, const char *name, 
     fputc('\n', out);
 }
 
-static void print_search(const struct run_data_search *search, FILE *out)
+static void print_search(const struct run_data_search *search, bool normalise, FILE *out)
 {
     char *name = report_name_plain(search->name),
          *status = report_name_plain(status_meaning(search->status));
     print_title(search, name, out);
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
-        print_spring(search, i, out);
+        print_spring(search, i, normalise, out);
     if (search->box != NULL && search->scenario.spring_count == 0)
-        print_variables(search, out);
+        print_variables(search, normalise, out);
     fprintf(out, "\nstatus       %s\n", status);
     if (run_data_found_nothing(search)) {
-        print_obstacle(search, out);
+        print_obstacle(search, normalise, out);
     } else {
         print_purity(search, out);
         if (search->box != NULL)
@@ -249,9 +315,21 @@ static enum status print_lines(const struct run_data *data, FILE *out, struct er
 static void print_files(const char *directory, FILE *out)
 {
     static const char *const NAMES[] = {
-        "corridors.svg", "corridors.png", "corridors.pdf", "corridors.gp",
-        "corridors.csv", "history.csv",   "summary.csv",   "result.json",
-        "cases.svg",     "volume.svg",    "run.db",
+        "corridors.svg",
+        "corridors.png",
+        "corridors.pdf",
+        "corridors.gp",
+        "corridors-compared.svg",
+        "corridors-normalised.svg",
+        "corridors-compared-normalised.svg",
+        "corridors.csv",
+        "history.csv",
+        "summary.csv",
+        "result.json",
+        "cases.svg",
+        "cases-normalised.svg",
+        "volume.svg",
+        "run.db",
     };
     const char *label = "files";
     for (size_t i = 0; i < G_N_ELEMENTS(NAMES); i++) {
@@ -264,7 +342,7 @@ static void print_files(const char *directory, FILE *out)
     }
 }
 
-enum status report_print(const char *directory, FILE *out, struct error *error)
+enum status report_print(const char *directory, bool normalise, FILE *out, struct error *error)
 {
     struct run_data data;
     enum status status = run_data_open(&data, directory, error);
@@ -276,7 +354,7 @@ enum status report_print(const char *directory, FILE *out, struct error *error)
         struct run_data_search search;
         status = run_data_load(&data, 0, &search, error);
         if (status == STATUS_OK)
-            print_search(&search, out);
+            print_search(&search, normalise, out);
         run_data_release(&search);
     }
     if (status == STATUS_OK)

@@ -99,18 +99,27 @@ second_run_is_laid_over_the_first()
     run 0 sobox-coordinator "$scenario" --out glancing --set response=glancing_off
     cp rotating/corridors.svg alone.svg
     run 0 sobox-report rotating --compare glancing
-    ! cmp -s alone.svg rotating/corridors.svg || fail 'the second run does not show'
+    ! cmp -s alone.svg rotating/corridors-compared.svg || fail 'the second run does not show'
+    expect_said out 'corridors-compared.svg'
+    cmp alone.svg rotating/corridors.svg || fail 'the picture of the run alone was drawn over'
     run 2 sobox-report rotating --compare nowhere
     expect_said err nowhere
 }
 
-# Axes divided by their greatest value: no force of the design space may be read from the picture.
-normalised_picture_shows_no_force()
+# Everything divided by its greatest value: no force of the design space may be read from the picture,
+# its script or the table.
+normalised_report_shows_no_force()
 {
     run 0 sobox-coordinator "$scenario" --out run
     grep -qE '>[^<]*kN' run/corridors.svg || fail 'the plain picture names no unit of force'
     run 0 sobox-report run --normalise
-    ! grep -qE '>[^<]*(kN|450)' run/corridors.svg || fail 'the normalised picture shows forces'
+    ! grep -qE '>[^<]*(kN|450)' run/corridors-normalised.svg ||
+        fail 'the normalised picture shows forces'
+    ! grep -qwE '450|450e3|450000' run/corridors-normalised.gp || fail 'the script of the picture has forces'
+    expect_said out '^ +0.250 +[01][.][0-9]{3} '
+    ! grep -qE 'kN|[[]m[]]' out || fail 'the normalised table has units'
+    run 0 sobox-report run
+    expect_said out '^ +1.200 +[0-9]+[.][0-9] '
 }
 
 folder_without_a_run_is_refused()

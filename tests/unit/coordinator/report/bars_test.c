@@ -19,7 +19,7 @@ static char *printed(const char *folder)
     char *text = NULL;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    assert_int_equal(report_print(folder, out, NULL), STATUS_OK);
+    assert_int_equal(report_print(folder, false, out, NULL), STATUS_OK);
     fclose(out);
     return text;
 }
@@ -90,7 +90,7 @@ static void normalised_picture_holds_no_numbers(void **state)
 {
     sample_run(*state, FORMULA, 1, SAMPLE_DONE);
     draw(*state, &(struct report_plot){.format = REPORT_SVG, .normalise = true});
-    static const char *const FILES[] = {"corridors.svg", "corridors.gp"};
+    static const char *const FILES[] = {"corridors-normalised.svg", "corridors-normalised.gp"};
     for (size_t i = 0; i < G_N_ELEMENTS(FILES); i++) {
         char *text = file_text(*state, FILES[i]);
         assert_null(strstr(text, "200000"));
@@ -114,7 +114,7 @@ static void variables_of_one_name_are_compared(void **state)
                1, SAMPLE_DONE);
     sample_run(springs, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
     draw(*state, &(struct report_plot){.format = REPORT_SVG, .compare = other});
-    char *picture = file_text(*state, "corridors.svg");
+    char *picture = file_text(*state, "corridors-compared.svg");
     assert_contains(picture, "sections and other");
     assert_contains(picture, "750000"); // the other run's
     assert_null(strstr(picture, "mass"));

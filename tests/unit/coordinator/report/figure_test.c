@@ -155,11 +155,11 @@ static void normalised_figure_holds_no_numbers(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
     draw(*state, &(struct report_plot){.format = REPORT_SVG, .normalise = true});
-    struct picture picture = picture_read(*state, "corridors.svg");
+    struct picture picture = picture_read(*state, "corridors-normalised.svg");
     assert_int_equal(occurrences(picture.words, "deformation, normalised\n"), 4);
     assert_int_equal(occurrences(picture.words, "Fx, normalised\n"), 2);
     assert_null(strstr(picture.words, "[kN]"));
-    char *script = file_text(*state, "corridors.gp");
+    char *script = file_text(*state, "corridors-normalised.gp");
     // F_x runs from 0 to 450 kN over both springs, the deformation of "rail" from 0.1 to 0.9 m.
     assert_contains(script, "$design_1_x << END\n0 0 0.133333333333333"); // 60 of 450 kN
     assert_contains(script, "$corridor_1_x << END\n0 0.0333333333333333");
@@ -182,13 +182,13 @@ static void compared_run_is_drawn_over_the_first(void **state)
     char *rotating = g_strjoinv("response: rotating", halves);
     sample_run(other, rotating, 1, SAMPLE_DONE);
     draw(*state, &(struct report_plot){.format = REPORT_SVG, .compare = other});
-    struct picture picture = picture_read(*state, "corridors.svg");
+    struct picture picture = picture_read(*state, "corridors-compared.svg");
     assert_contains(picture.words, "response: any ");
     assert_contains(picture.words, "response: rotating ");
     // Only the spring that both have.
     assert_int_equal(occurrences(picture.words, "front, axial force\n"), 1);
     assert_null(strstr(picture.words, "rail, axial force"));
-    char *script = file_text(*state, "corridors.gp");
+    char *script = file_text(*state, "corridors-compared.gp");
     assert_int_equal(occurrences(script, "$compared_1_x << END"), 1);
     assert_int_equal(occurrences(script, "$compared_"), 2 + 2 * 3);
     g_free(script);
