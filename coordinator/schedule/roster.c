@@ -81,6 +81,12 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
     return (roster->core.measured ? roster->core.mean : 1) / worker->threads;
 }
 
+int64_t roster_target_ns(const struct roster *roster)
+{
+    const struct schedule_settings *settings = roster->settings;
+    return MAX(settings->batch_target_ns, settings->message_ns * (int64_t)roster->heard.length);
+}
+
 // How long it will be busy with what it has: our batches, and other coordinators' as if they were
 // like ours.
 static double worker_load_ns(const struct roster *roster, const struct roster_worker *worker)
@@ -100,8 +106,8 @@ static bool worker_room(const struct roster *roster, const struct roster_worker 
         return worker->lease_count == 0;
     if (worker->lease_count < 2)
         return true;
-    return worker->service.measured && (double)worker->load_ns * worker->service.mean <
-                                           2 * (double)roster->settings->batch_target_ns;
+    return worker->service.measured &&
+           (double)worker->load_ns * worker->service.mean < 2 * (double)roster_target_ns(roster);
 }
 
 // Has nothing to do, as far as one can know. What is late would have been answered: it was lost on

@@ -158,6 +158,10 @@ bool roster_stalled(const struct roster_worker *worker);
 // 1 / threads.
 double roster_service(const struct roster *roster, const struct roster_worker *worker);
 
+// How long a batch should take: batch_target_ns, but with so many workers that one loop could not
+// give each a batch in that time, as long as it takes to do so.
+int64_t roster_target_ns(const struct roster *roster);
+
 // The working worker with room that has least to do; `other` (may be NULL) only when there is no
 // one else. NULL when nobody has room.
 struct roster_worker *roster_pick(const struct roster *roster, const struct roster_worker *other);

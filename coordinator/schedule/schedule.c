@@ -63,10 +63,12 @@ struct schedule_settings schedule_settings_default(void)
         // An estimate that ran away is mended within this time; silence ends a dead worker's leases
         // earlier.
         .lease_max_ns = 30 * INT64_C(1000000000),
-        // With the cheapest model a batch takes some 20 us, as long as a message takes the
-        // coordinator: 8 cover a round trip several times over, and 1,000 workers' queues still fit
-        // the coordinator's memory and patience.
-        .window_max = 8,
+        // Measured 20 to 40 us (tests/bench), most of it the kernel's. It moves nothing with a few
+        // workers, and with hundreds keeps batches long enough for one loop to feed all.
+        .message_ns = 20000,
+        // One worker with many cores and a cheap model has done a batch in 20 us, as long as a
+        // message takes the coordinator: 64 cover a round trip of a millisecond.
+        .window_max = 64,
     };
 }
 
@@ -79,6 +81,7 @@ struct schedule *schedule_create(const struct schedule_settings *settings)
     assert(settings->lease_min_ns > 0);
     assert(settings->lease_new_ns > 0);
     assert(settings->lease_max_ns >= settings->lease_min_ns);
+    assert(settings->message_ns >= 0);
     assert(settings->window_max > 0);
     struct schedule *schedule = g_new0(struct schedule, 1);
     schedule->settings = *settings;
@@ -452,8 +455,9 @@ static bool dispatch_cut(struct schedule *schedule)
     if (worker == NULL || schedule->backlog.open.head == NULL)
         return false;
     struct backlog_step *step = schedule->backlog.open.head->data;
-    uint32_t count = cut_count(&schedule->settings, &schedule->roster, worker, step,
-                               schedule->backlog.open.length);
+    uint32_t count =
+        cut_count(&schedule->settings, &schedule->roster, worker, step,
+                  schedule->backlog.open.length, g_hash_table_size(schedule->backlog.searches));
     batch_lease(schedule, backlog_cut(&schedule->backlog, step, count), worker);
     return true;
 }

@@ -26,6 +26,7 @@ struct schedule_settings {
     int64_t lease_new_ns;        // least lease of a worker hardly known [ns]
     int64_t lease_min_ns;        // least and greatest lease [ns]
     int64_t lease_max_ns;
+    int64_t message_ns;  // what a batch and its outcome take the coordinator's one loop [ns]
     uint32_t window_max; // batches in flight at one worker, at most
 };
 

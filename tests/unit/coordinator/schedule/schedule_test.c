@@ -340,14 +340,14 @@ static void first_batches_are_small_when_nothing_is_known(void **state)
     assert_in_range(desk.sent[0].batch.count, 1, 64);
 }
 
-// A slow model on a worker with many threads: a batch has a sample for each thread, however long
-// one takes, else all but one thread would idle and the measured rate would never show it.
-static void batch_has_a_sample_for_each_thread(void **state)
+// A slow model on a worker with many threads: a batch has a vector of samples for each thread,
+// however long one takes, else some threads would idle.
+static void batch_has_a_vector_for_each_thread(void **state)
 {
     (void)state;
     happen(announcement(1, 16));
     want(0, 0, 1000, 1e9);
-    assert_int_equal(desk.sent[0].batch.count, 16);
+    assert_int_equal(desk.sent[0].batch.count, 16 * 8);
 }
 
 // Two batches are in flight however long they take: one is in work while the other waits.
@@ -1206,10 +1206,79 @@ static void ten_thousand_searches_over_a_thousand_workers(void **state)
     assert_int_equal(counters().batches_waiting, 0);
 }
 
+// The counts of the batches sent, but for the last of each step, which is what is left.
+static void assert_counts(uint32_t least, uint32_t most)
+{
+    for (size_t i = 0; i < desk.sent_count; i++) {
+        const struct schedule_batch *batch = &desk.sent[i].batch;
+        const bool last = i + 1 == desk.sent_count || desk.sent[i + 1].batch.step != batch->step ||
+                          desk.sent[i + 1].batch.search != batch->search;
+        if (!last)
+            assert_in_range(batch->count, least, most);
+    }
+}
+
+// A hundred workers and one search: a step of 2,000 samples of 1 us could be split into a hundred
+// parts of 20 us, and their messages would take a hundred times as long as one of them. Parts worth
+// sqrt(2 ms x 20 us) = 200 us are ten, and their messages as long as they are.
+static void step_of_one_search_is_split_as_far_as_messages_are_worth_it(void **state)
+{
+    (void)state;
+    desk.settings.message_ns = 20000;
+    desk_reopen(&desk.settings);
+    for (uint64_t worker = 1; worker <= 100; worker++)
+        announce(worker);
+    want(0, 0, 2000, 1000);
+    assert_in_range(desk.sent_count, 9, 11);
+    assert_counts(200, 208);
+}
+
+// A hundred workers and many searches: the loop can send a batch to each worker in 2 ms, so that is
+// what a batch should take, though fewer steps are open than there are workers.
+static void batches_of_many_searches_are_worth_a_message_for_each_worker(void **state)
+{
+    (void)state;
+    desk.settings.message_ns = 20000;
+    desk.settings.batch_samples_max = 10000;
+    desk_reopen(&desk.settings);
+    for (uint64_t worker = 1; worker <= 100; worker++)
+        announce(worker);
+    for (uint32_t search = 0; search < 20; search++)
+        want(search, 0, 20, 1000);
+    const size_t before = desk.sent_count;
+    for (uint32_t search = 20; search < 23; search++)
+        want(search, 0, 20000, 1000);
+    assert_in_range(desk.sent_count - before, 24, 36);
+    for (size_t i = before; i < desk.sent_count; i++)
+        assert_in_range(desk.sent[i].batch.count, 1000, 3000);
+}
+
+// Thousands of workers: the time a batch should take grows with them, beyond batch_target_ns.
+static void batches_grow_with_the_workers(void **state)
+{
+    (void)state;
+    desk.settings.message_ns = 20000;
+    desk.settings.batch_samples_max = 65536;
+    desk_reopen(&desk.settings);
+    for (uint64_t worker = 1; worker <= 1000; worker++)
+        announce(worker);
+    for (uint32_t search = 0; search < 1000; search++)
+        want(search, 0, 100, 1000);
+    const size_t before = desk.sent_count;
+    for (uint32_t search = 1000; search < 2000; search++)
+        want(search, 0, 60000, 1000);
+    assert_true(desk.sent_count > before);
+    for (size_t i = before; i < desk.sent_count; i++)
+        assert_in_range(desk.sent[i].batch.count, 15000, 20000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, desk_open, desk_close)
+        TEST(step_of_one_search_is_split_as_far_as_messages_are_worth_it),
+        TEST(batches_of_many_searches_are_worth_a_message_for_each_worker),
+        TEST(batches_grow_with_the_workers),
         TEST(step_is_done_when_all_samples_are_counted),
         TEST(batches_cover_the_step_once),
         TEST(small_step_is_split_between_two_workers),
@@ -1218,7 +1287,7 @@ int main(void)
         TEST(batch_size_follows_measured_time),
         TEST(share_only_batches_are_larger),
         TEST(first_batches_are_small_when_nothing_is_known),
-        TEST(batch_has_a_sample_for_each_thread),
+        TEST(batch_has_a_vector_for_each_thread),
         TEST(window_holds_two_long_batches),
         TEST(window_holds_two_batches_before_the_first_answer),
         TEST(leases_grow_with_what_is_learned),
