@@ -15,8 +15,8 @@
 #include "worker/sampling/sampling.h"
 
 enum {
-    NETWORK_PLACE_MAX = 16,
-    NETWORK_SEND_NS = 2000, // a packet takes its sender: packets of one place leave one by one
+    NETWORK_PLACE_MAX = 8200, // a worker each but one
+    NETWORK_SEND_NS = 2000,   // a packet takes its sender: packets of one place leave one by one
 };
 
 enum message_kind {

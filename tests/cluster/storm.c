@@ -20,6 +20,8 @@
 // A process that is down is started again by then.
 #define STORM_RESTART_NS (2 * SECOND_NS)
 
+enum { STORM_PLACE_MAX = 16 };
+
 // Copies of late batches in the whole run of a calm day; one day in thousands has any.
 enum { CALM_COPIES_MAX = 2 };
 
@@ -29,9 +31,9 @@ struct storm {
     struct network network;
     struct schedule_settings settings;
     struct coordinator_node coordinator;
-    struct worker_node workers[NETWORK_PLACE_MAX]; // from place 1 on
+    struct worker_node workers[STORM_PLACE_MAX]; // from place 1 on
     uint32_t worker_count;
-    int64_t starts_ns[NETWORK_PLACE_MAX]; // when the process of a place is to be started; 0: never
+    int64_t starts_ns[STORM_PLACE_MAX]; // when the process of a place is to be started; 0: never
     int64_t now_ns;
     int64_t clear_ns;
     int64_t fault_ns; // the next one
