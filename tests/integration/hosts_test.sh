@@ -218,7 +218,7 @@ coordinator_killed_twenty_times_resumes_to_the_same_bits()
 # Runs of equal size that begin together end together: when the first is done, the other is not far.
 two_coordinators_share_three_workers()
 {
-    local large=(--set search.samples=20000 --set search.exploration_steps=$((20 * rounds))
+    local large=(--set search.samples=8000 --set search.exploration_steps=$((20 * rounds))
         --set search.target_purity=0.5)
     run 0 sobox-coordinator "$scenario" "${large[@]}" --out calm
     make_hosts 5

@@ -21,13 +21,16 @@ metrics_pass_the_check_of_promtool()
     _start_page
     _metrics
     run 0 promtool check metrics <metrics
-    # Of one thread: a team of several waits for its last one where others want the processor.
-    start worker sobox-worker --url "$url" --threads 1
-    start coordinator sobox-coordinator "$scenario" --out run --url "$url" "${steady[@]}" \
-        --set search.samples=40000
+    start worker sobox-worker --url "$url"
+    start coordinator sobox-coordinator "$scenario" --out run --url "$url" "${steady[@]}"
+    hold coordinator run 2
+    # Without its worker the run goes on telling of its search until that is heard.
+    signal STOP worker
+    go_on coordinator
     wait_until 'the running search is told of' \
         _tells '^sobox_search_log_volume\{run="[0-9a-f]{16}",search="0"\} -'
     run 0 promtool check metrics <metrics
+    signal CONT worker
     finish 0 coordinator
     wait_until 'the end of the run is told' \
         _tells '^sobox_run_state\{run="[0-9a-f]{16}",state="done"\} 1$'

@@ -92,7 +92,7 @@ finished_run_folder_is_told_once()
 
 running_run_folder_is_followed()
 {
-    start coordinator sobox-coordinator "$scenario" --out run "${steady[@]}" --set search.samples=20000
+    start coordinator sobox-coordinator "$scenario" --out run "${steady[@]}"
     hold coordinator run 2
     start monitor sobox-monitor --from run --plain
     wait_for_line monitor 'short: running'

@@ -51,7 +51,7 @@ sweep_is_the_same_over_any_workers_and_threads()
 
 sweep_killed_in_its_middle_resumes_to_the_same_rows()
 {
-    _write_sweep 4
+    _write_sweep 2
     run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
     local count
     start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
@@ -67,7 +67,7 @@ sweep_killed_in_its_middle_resumes_to_the_same_rows()
 
 ctrl_c_in_a_sweep_over_worker_processes_resumes_to_the_same_rows()
 {
-    _write_sweep 4
+    _write_sweep 2
     run 0 sobox-coordinator sweep.yaml --out calm "${steady[@]}"
     start coordinator sobox-coordinator sweep.yaml --out run --workers 2 "${steady[@]}"
     hold coordinator run 50
@@ -141,7 +141,7 @@ case_without_a_good_design_is_a_row()
 # Somebody changed what one search has done so far: it cannot go on, the others can.
 search_that_fails_is_a_row_and_not_the_end()
 {
-    _write_sweep 4
+    _write_sweep 2
     start coordinator sobox-coordinator sweep.yaml --out run "${steady[@]}"
     hold coordinator run 12
     signal KILL coordinator
@@ -149,8 +149,8 @@ search_that_fails_is_a_row_and_not_the_end()
     sqlite3 run/run.db 'UPDATE step SET bounds = zeroblob(length(bounds)) WHERE id = 1'
     run 1 sobox-coordinator --resume run
     expect_said err 'step 1 of the journal is not what the search asks for'
-    expect_said err '1 of 8 searches could not be carried out.*--resume run'
-    expect_equal "$(journal run 'SELECT count(*) FROM search WHERE finished')" 7 'searches done'
+    expect_said err '1 of 4 searches could not be carried out.*--resume run'
+    expect_equal "$(journal run 'SELECT count(*) FROM search WHERE finished')" 3 'searches done'
     expect_said run/summary.csv '^"mass=1500,seed=1",1500,1,failed,'
 }
 

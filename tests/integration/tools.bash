@@ -12,7 +12,7 @@ readonly url='udpm://239.255.76.67:7667?ttl=0'
 # machine with many cores cannot outrun the test.
 readonly steady=(--threads 1 --set search.samples=4000 --set search.exploration_steps=30
     --set search.target_purity=0.5)
-readonly patience=${PATIENCE:-60}
+readonly patience=${PATIENCE:-240}
 
 declare -A process # of each started program, by the name the case gave it
 

@@ -13,7 +13,7 @@
 #define GROUP "239.255.76.67"
 #define URL "udpm://239.255.76.67:7667"
 
-enum { PORT = 7667, PATIENCE_MS = 20000, PACKET_MAX = 2000, PACKETS_MAX = 64 };
+enum { PORT = 7667, PATIENCE_MS = 120000, PACKET_MAX = 2000, PACKETS_MAX = 64 };
 
 static const uint8_t key_bytes[KEY_SIZE] = {1, 2, 3};
 static const uint8_t other_bytes[KEY_SIZE] = {1, 2, 4};

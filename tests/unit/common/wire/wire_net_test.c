@@ -18,7 +18,7 @@
 #define URL "udpm://239.255.76.67:7667"
 #define LC02 "LC02\0\0\0\0"
 
-enum { PORT = 7667, PATIENCE_MS = 20000 };
+enum { PORT = 7667, PATIENCE_MS = 120000 };
 
 struct seen {
     unsigned count[WIRE_KIND_COUNT];
