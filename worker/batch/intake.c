@@ -1,19 +1,21 @@
 #include "worker/batch/intake.h"
 
 #include "worker/batch/store.h"
+#include "worker/batch/turns.h"
 
 #include <assert.h>
 #include <glib.h>
 #include <math.h>
+#include <stddef.h>
 
 // A batch between its arrival and intake_done().
 struct queued {
     struct intake_batch batch; // bounds NULL
-    uint64_t arrival;          // 0, 1, 2, ...
+    struct turn turn;          // arrivals are 0, 1, 2, ...; among the ready ones
     struct item *scenario;
     struct item *box; // NULL where the batch brings its designs
     double *designs;  // its own copy of them; NULL where there is a box
-    GList link;       // in one of the intake's lists while it is not taken
+    GList link;       // among the waiting ones
     bool taken;
 };
 
@@ -21,7 +23,7 @@ struct intake {
     struct store store;
     GHashTable *batches; // every struct queued, by its identity
     GQueue waiting;      // for a text, in the order of arrival
-    GQueue ready;        // to be evaluated, in the order of arrival
+    struct turns ready;  // to be evaluated
     uint64_t arrivals;
     size_t design_size; // of all batches [bytes]
 };
@@ -66,7 +68,7 @@ struct intake *intake_create(void)
     store_init(&intake->store, INTAKE_SCENARIO_MAX, INTAKE_SCENARIO_SIZE_MAX, INTAKE_BOX_MAX);
     intake->batches = g_hash_table_new_full(identity_hash, identity_same, queued_free, NULL);
     g_queue_init(&intake->waiting);
-    g_queue_init(&intake->ready);
+    turns_init(&intake->ready);
     return intake;
 }
 
@@ -74,6 +76,7 @@ void intake_free(struct intake *intake)
 {
     if (intake == NULL)
         return;
+    turns_fini(&intake->ready);
     g_hash_table_unref(intake->batches);
     store_fini(&intake->store);
     g_free(intake);
@@ -106,18 +109,6 @@ static enum status queued_check(const struct queued *queued, struct error *error
     return STATUS_OK;
 }
 
-// Puts a batch that misses nothing in its place among the ready ones; most often the last.
-static void queued_ready(struct intake *intake, struct queued *queued)
-{
-    GList *before = intake->ready.tail;
-    while (before != NULL && ((struct queued *)before->data)->arrival > queued->arrival)
-        before = before->prev;
-    if (before == NULL)
-        g_queue_push_head_link(&intake->ready, &queued->link);
-    else
-        g_queue_insert_after_link(&intake->ready, before, &queued->link);
-}
-
 static bool queued_complete(const struct queued *queued)
 {
     return queued->scenario->ready && (queued->box == NULL || queued->box->ready);
@@ -132,7 +123,7 @@ static enum status queued_place(struct intake *intake, struct queued *queued, st
     }
     enum status status = queued_check(queued, error);
     if (status == STATUS_OK)
-        queued_ready(intake, queued);
+        turns_add(&intake->ready, &queued->turn);
     else
         queued_forget(intake, queued);
     return status;
@@ -194,7 +185,7 @@ static struct queued *queued_create(struct intake *intake, const struct intake_b
     queued->designs = batch->designs != NULL ? g_memdup2(batch->designs, design_size) : NULL;
     queued->batch.designs = queued->designs;
     intake->design_size += design_size;
-    queued->arrival = intake->arrivals++;
+    queued->turn = (struct turn){.coordinator = batch->coordinator, .arrival = intake->arrivals++};
     queued->scenario = scenario;
     queued->box = box;
     queued->link.data = queued;
@@ -337,10 +328,10 @@ int64_t intake_wake_ns(const struct intake *intake)
 
 bool intake_take(struct intake *intake, struct intake_work *work)
 {
-    GList *link = g_queue_pop_head_link(&intake->ready);
-    if (link == NULL)
+    struct turn *turn = turns_take(&intake->ready);
+    if (turn == NULL)
         return false;
-    struct queued *queued = link->data;
+    struct queued *queued = (struct queued *)((char *)turn - offsetof(struct queued, turn));
     queued->taken = true;
     *work = (struct intake_work){
         .identity = queued->batch,

@@ -105,7 +105,8 @@ bool intake_request(struct intake *intake, int64_t now_ns, struct intake_request
 // When intake_request() may next have something; INT64_MAX when no text is missing.
 int64_t intake_wake_ns(const struct intake *intake);
 
-// Takes the next batch that is ready, oldest first; false when none is. Several may be taken.
+// Takes the next batch that is ready, coordinators in turn, the oldest of each first; false when
+// none is. Several may be taken.
 bool intake_take(struct intake *intake, struct intake_work *work);
 
 // The batch has been evaluated: its scenario and box may go when they are no longer needed.

@@ -21,6 +21,11 @@ enum {
     CLAIM_WORTH_NS = 64000,
     // What it must be worth: to wake another thread takes some 5 us.
     CLAIM_LEAST_NS = 5000,
+    // Work for each thread that makes jobs wait elsewhere [ns]: how long the message thread may be
+    // kept waiting on its own machine, short beside a person's patience and a lease.
+    HUNGER_NS = 1000000,
+    // Jobs that wait for the threads whatever they are worth: one is begun while the next comes.
+    HUNGER_JOBS = 2,
 };
 
 // POSIX locks and not GLib's, because the thread sanitizer knows only the former.
@@ -302,6 +307,16 @@ void engine_submit(struct engine *engine, struct engine_job *job)
     pthread_mutex_unlock(&engine->lock);
     if (wake)
         pthread_cond_signal(&engine->work);
+}
+
+bool engine_hungry(struct engine *engine)
+{
+    pthread_mutex_lock(&engine->lock);
+    const double waiting_ns = (double)engine->waiting * engine->sample_ns;
+    const bool hungry = g_queue_get_length(&engine->jobs) < HUNGER_JOBS ||
+                        waiting_ns < (double)HUNGER_NS * engine->threads;
+    pthread_mutex_unlock(&engine->lock);
+    return hungry;
 }
 
 struct engine_job *engine_collect(struct engine *engine)

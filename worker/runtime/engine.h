@@ -60,6 +60,10 @@ void engine_free(struct engine *engine);
 // Hands a job over; never blocks. The intake bounds how many there are.
 void engine_submit(struct engine *engine, struct engine_job *job);
 
+// Whether the threads want another job: what waits for them would last them for less than the
+// message thread may take to look again. What they do not want yet, others may still overtake.
+bool engine_hungry(struct engine *engine);
+
 // The next finished job, in the order in which they were finished, for the caller to release with
 // engine_job_free(); NULL when there is none.
 struct engine_job *engine_collect(struct engine *engine);

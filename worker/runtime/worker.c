@@ -167,12 +167,12 @@ static void set_wake(struct worker *worker)
     g_source_set_ready_time(worker->wake, wake_us);
 }
 
-// Everything that is ready goes to the engine at once: it then never idles while the message thread
-// is busy, and the intake bounds how much that is.
+// What is ready goes to the engine until that has enough to go on with while the message thread is
+// busy. The rest waits where coordinators have their turns.
 static void submit_ready(struct worker *worker)
 {
     struct intake_work work;
-    while (intake_take(worker->intake, &work)) {
+    while (engine_hungry(worker->engine) && intake_take(worker->intake, &work)) {
         struct engine_job *job = g_new0(struct engine_job, 1);
         job->work = work;
         engine_submit(worker->engine, job);
@@ -279,6 +279,7 @@ static gboolean results_wait(gint descriptor, GIOCondition condition, gpointer u
     struct worker *worker = user;
     engine_acknowledge(worker->engine);
     collect_results(worker);
+    submit_ready(worker);
     return G_SOURCE_CONTINUE;
 }
 

@@ -327,6 +327,26 @@ static void batches_of_two_coordinators_differ(void **state)
 }
 
 // The queue is bounded, and has room again as batches are done.
+// Who sends more does not get more: eight batches that came first do not go before another's only
+// one.
+static void coordinators_are_served_in_turn(void **state)
+{
+    struct intake *intake = *state;
+    struct intake_work work;
+    for (uint32_t i = 0; i < 8; i++)
+        assert_taken_in(intake, batch_with_bounds(i));
+    struct intake_batch other = batch_with_bounds(0);
+    other.coordinator = 12;
+    assert_taken_in(intake, other);
+    assert_fed(intake, &scenario);
+    assert_takes(intake, 0);
+    assert_true(intake_take(intake, &work));
+    assert_int_equal(work.identity.coordinator, 12);
+    intake_done(intake, &work);
+    for (uint32_t i = 1; i < 8; i++)
+        assert_takes(intake, i);
+}
+
 static void full_queue_refuses(void **state)
 {
     struct intake *intake = *state;
@@ -556,6 +576,7 @@ int main(void)
         TEST(oldest_ready_batch_is_taken_first),
         TEST(waiting_batch_is_not_queued_twice),
         TEST(batches_of_two_coordinators_differ),
+        TEST(coordinators_are_served_in_turn),
         TEST(full_queue_refuses),
         TEST(scenarios_are_bounded),
         TEST(request_is_repeated_at_growing_intervals),
