@@ -135,7 +135,9 @@ const Figures = (() => {
           `stroke-width="${data.borderWidth}" stroke-dasharray="${(data.borderDash || []).join(" ")}"/>`);
       if (data.pointRadius > 0)
         for (const p of shown)
-          out.push(`<circle cx="${n(p.x)}" cy="${n(p.y)}" r="${data.pointRadius}" fill="${data.borderColor}"/>`);
+          out.push(data.pointStyle && data.pointStyle !== "circle"
+            ? `<path transform="translate(${n(p.x - 12)} ${n(p.y - 6)})" d="${SHAPES[data.pointStyle] || SHAPES.circle}" fill="${data.borderColor}"/>`
+            : `<circle cx="${n(p.x)}" cy="${n(p.y)}" r="${data.pointRadius}" fill="${data.borderColor}"/>`);
     });
     return `<svg xmlns="http://www.w3.org/2000/svg" width="${n(width)}" height="${n(height + 24)}" ` +
       `viewBox="0 0 ${n(width)} ${n(height + 24)}" font-family="sans-serif" font-size="11">` +
@@ -160,6 +162,7 @@ const Figures = (() => {
   const SHAPES = {
     circle: "M12 2a4 4 0 1 1-.01 0z", triangle: "M12 1l5 9H7z", rect: "M8 2h8v8H8z",
     crossRot: "M8 1l4 4 4-4 1 1-4 4 4 4-1 1-4-4-4 4-1-1 4-4-4-4z", rectRot: "M12 1l5 5-5 5-5-5z",
+    star: "M11.3 1h1.4v3.6l2.8-2.3 1 1L14 6l2.5 2.7-1 1-2.8-2.3V11h-1.4V7.4L8.500 9.7l-1-1L10 6 7.500 3.300l1-1 2.800 2.300z",
   };
 
   class Figure {
@@ -195,10 +198,10 @@ const Figures = (() => {
     }
 
     options() {
-      const axis = (title, more) => ({
+      const axis = (title, { ticks, ...more } = {}) => ({
         type: "linear",
         title: { display: true, text: title, color: colour("soft") },
-        ticks: { color: colour("soft"), maxRotation: 0, autoSkipPadding: 14 },
+        ticks: { color: colour("soft"), maxRotation: 0, autoSkipPadding: 14, ...ticks },
         grid: { color: colour("line"), drawTicks: false },
         border: { display: false },
         ...more,
@@ -216,8 +219,22 @@ const Figures = (() => {
       };
     }
 
+    setTitle(title) {
+      if (this.spec.title === title) return;
+      this.spec.title = title;
+      this.element.querySelector("h3").textContent = title;
+    }
+
+    // Only what there is to see has a line in the legend.
+    setLegend(shown) {
+      const labels = this.chart.data.datasets.filter(shown).map((data) => data.label).join("\n");
+      this.inLegend = shown;
+      if (this.legendLabels !== labels) this.drawLegend();
+      this.legendLabels = labels;
+    }
+
     drawLegend() {
-      this.legend.replaceChildren(...this.chart.data.datasets.filter((data) => data.label && !data.$mute)
+      this.legend.replaceChildren(...this.chart.data.datasets.filter((data) => data.label && !data.$mute && (!this.inLegend || this.inLegend(data)))
         .map((data) => h("span", {}, sample(data), data.label)));
     }
 
@@ -240,6 +257,7 @@ const Figures = (() => {
         own.borderColor = data.borderColor;
         own.backgroundColor = data.backgroundColor;
         own.pointBackgroundColor = data.pointBackgroundColor;
+        own.pointBorderColor = data.pointBorderColor;
       });
       this.chart.options = this.options();
       this.chart.update("none");

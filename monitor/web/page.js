@@ -10,7 +10,7 @@
 
   // ---- What is known ----
 
-  const known = { runs: new Map(), searches: new Map(), workers: new Map(), problems: [], own: {}, monitor: null };
+  const known = { runs: new Map(), searches: new Map(), workers: new Map(), cases: new Map(), problems: [], own: {}, monitor: null };
   let chosen = null;     // what the last events told of the choice: {run, state, scenario, ...}
   let choice = { run: null, search: null };
   let follow = { run: true, search: true };
@@ -24,6 +24,7 @@
     known.runs.clear();
     known.searches.clear();
     known.workers.clear();
+    known.cases.clear();
     chosen = null;
     chosenNews = true;
   }
@@ -55,9 +56,18 @@
     if (event.chosen) learnChosen(event.chosen);
   }
 
+  // Names of cases: {axes: paths or null, texts: by search}.
+  function learnCases(run, news) {
+    if (!known.cases.has(run)) known.cases.set(run, { axes: null, texts: new Map() });
+    const cases = known.cases.get(run);
+    if (news.axes) cases.axes = news.axes.slice(1);
+    for (const [search, ...texts] of news.cases) cases.texts.set(search, texts);
+  }
+
   function learnChosen(news) {
     if (news.run !== choice.run) return;
     chosenNews = true;
+    if (news.cases) learnCases(news.run, news.cases);
     const old = chosen && chosen.search === news.search ? chosen : {};
     chosen = {
       ...old, ...news,
@@ -115,7 +125,9 @@
     }
     const searches = known.searches.get(run);
     if (searches && (search === null || (follow.search && searches.size > 1))) {
-      const latest = [...searches.values()].reduce((a, b) => (b.heard_at >= a.heard_at ? b : a));
+      // Those that are done are told of again and again: the latest is one that goes on, if any does.
+      const rank = (s) => (s.status === "running" ? 1e12 : 0) + s.heard_at;
+      const latest = [...searches.values()].reduce((a, b) => (rank(b) >= rank(a) ? b : a));
       const current = searches.get(search);
       if (!current || (current.status !== "running" && latest.status === "running")) search = latest.search;
     }
@@ -179,7 +191,7 @@
       const value = this.columns[this.sort].value;
       const sign = this.descending ? -1 : 1;
       const order = (a, b) => (a == null) - (b == null) ||
-        sign * (typeof a === "string" ? names.compare(a, b) : a - b);
+        sign * (typeof a === "number" && typeof b === "number" ? a - b : names.compare(a, b));
       const sorted = [...data].sort((a, b) => order(value(a), value(b)) || sign * order(this.key(a), this.key(b))).slice(0, this.limit);
       const kept = new Set();
       let place = this.body.firstChild;
@@ -242,17 +254,28 @@
     { name: "Heard", value: (r) => r.heard_at, show: heard },
   ], (r) => r.id, 9, true, (r, row) => mark(row, r.id === choice.run, !isActive(r) || isSilent(r)));
 
-  const searchesTable = new Table($("searches"), [
-    { name: "Search", value: (s) => s.search, pick: (s) => { follow.search = false; follow.run = false; $("search-follow").checked = false; choose(s.run, s.search); } },
-    { name: "Phase", text: true, value: (s) => s.phase },
-    { name: "Status", text: true, value: (s) => words(s.status) },
-    { name: "Step", value: (s) => s.step / (s.step_count || 1), show: (s) => `${s.step} of ${s.step_count}` },
-    { name: "Good", unit: "%", value: (s) => s.good_share, show: (s) => percent(s.good_share).replace(" %", "") },
-    { name: "ln(volume)", value: (s) => s.log_volume, show: (s) => fixed(s.log_volume, 2) },
-    { name: "Purity ≥", value: (s) => s.purity_lower95, show: (s) => s.purity_lower95 > 0 ? s.purity_lower95.toFixed(4) : "–" },
-    { name: "Designs", value: (s) => s.evaluations, show: (s) => brief(s.evaluations) },
-  ], (s) => s.search, 0, false, (s, row) => mark(row, s.search === choice.search, false));
-  searchesTable.limit = 200;
+  const pickSearch = (run, search) => { follow.search = follow.run = false; $("search-follow").checked = false; choose(run, search); };
+
+  // The table of cases has a column an axis, so it is made when the axes are known.
+  function searchesTableOf(axes) {
+    $("searches").replaceChildren();
+    const value = (i) => (s) => { const number = Sweep.numberOf(s.values[i]); return number === null ? s.values[i] ?? "" : number; };
+    const table = new Table($("searches"), [
+      { name: "Search", value: (s) => s.search, pick: (s) => pickSearch(s.run, s.search) },
+      ...(axes.length === 0 ? [] : axes.map((path, i) => ({ name: path, text: true, value: value(i), show: (s) => s.values[i] ?? "–" }))),
+      { name: "Status", text: true, value: (s) => words(s.status) },
+      { name: "Phase", text: true, value: (s) => s.phase },
+      { name: "Step", value: (s) => s.step == null ? null : s.step / (s.step_count || 1), show: (s) => s.step == null ? "–" : `${s.step} of ${s.step_count}` },
+      { name: "Good", unit: "%", value: (s) => s.good_share, show: (s) => percent(s.good_share).replace(" %", "") },
+      { name: "ln(volume)", value: (s) => s.log_volume, show: (s) => fixed(s.log_volume, 2) },
+      { name: "Purity ≥", value: (s) => s.purity_lower95, show: (s) => s.purity_lower95 > 0 ? s.purity_lower95.toFixed(4) : "–" },
+      { name: "Designs", value: (s) => s.evaluations, show: (s) => brief(s.evaluations) },
+    ], (s) => s.search, 0, false, (s, row) => { mark(row, s.search === choice.search, s.status === "waiting"); if (s.name) row.title = s.name; });
+    table.limit = 200;
+    table.axes = axes.join();
+    return table;
+  }
+  let searchesTable = searchesTableOf([]);
 
   const workersTable = new Table($("workers"), [
     { name: "Worker", text: true, value: (w) => w.name },
@@ -287,7 +310,8 @@
 
   function drawHead(run) {
     const state = chosen && chosen.state;
-    show($("run-title"), run.name + (run.searches > 1 && state ? ` · search ${state.search}` : ""));
+    const texts = state && known.cases.has(run.id) ? known.cases.get(run.id).texts.get(state.search) : null;
+    show($("run-title"), run.name + (run.searches > 1 && state ? ` · ${texts ? texts[0] : `search ${state.search}`}` : ""));
     const status = run.searches > 1 && state ? (state.status === "running" ? state.phase : state.status)
       : run.state === "done" && state ? state.status : run.state;
     $("run-state").dataset.state = status;
@@ -306,17 +330,17 @@
       ["ln(volume)", fixed(volume, 2), width == null ? "" : `${percent(width)} of range`, "Sum over the free variables of ln(corridor width / design width); beside it their geometric mean"],
       ["Purity (95 %)", state && state.purity_lower95 > 0 ? "≥ " + percent(state.purity_lower95, 2) : "–", "", "The share of good designs in the box, with 95 % confidence"],
       ["Designs", brief(run.samples)],
-      ["Rate", isActive(run) && !isSilent(run) ? brief(run.rate) : "–", "1/s"],
+      ["Rate", isActive(run) && !isSilent(run) ? brief(run.rate) : "–", isActive(run) && !isSilent(run) ? "designs a second" : ""],
       ["Time", span(run.elapsed_s), run.left_s >= 0 && isActive(run) ? `${span(run.left_s)} left` : ""],
     ]);
   }
 
   // Figures of the choice are made anew when what they show is of another shape.
-  let shape = "", corridorFigures = [], courseFigures = null, paceFigures = null, sweepFigure = null;
+  let shape = "", corridorFigures = [], courseFigures = null, paceFigures = null;
 
   const line = (label, name, data, more) => ({
     label, data, borderColor: colour(name), backgroundColor: faded(colour(name), more && more.$opacity || 0.3),
-    borderWidth: 2, ...more,
+    pointBackgroundColor: colour(name), pointBorderColor: colour(name), borderWidth: 2, ...more,
   });
 
   // The variables of one spring and direction, over deformation.
@@ -454,7 +478,7 @@
     let steps = [];
     const figure = new Figure(parent, {
       title, file: title.toLowerCase().replace(/[^a-z]+/g, "-"), x: "Step", y,
-      axes: { y: more.axis, x: { ticks: { color: colour("soft"), precision: 0, maxRotation: 0 } } },
+      axes: { y: more.axis, x: { ticks: { precision: 0 } } },
       datasets: () => [line(more.label, more.colour, data, { pointRadius: 0, ...more.line })],
       tooltip: { callbacks: { title: (items) => items.length ? `step ${items[0].parsed.x}, ${(steps[items[0].dataIndex] || [])[1]}` : "" } },
       describe: () => steps.length === 0 ? "No step is heard yet." : `From ${data[0].y?.toFixed(2)} at step ${steps[0][0]} to ${data.at(-1).y?.toFixed(2)} at step ${steps.at(-1)[0]}, phase ${steps.at(-1)[1]}.`,
@@ -501,7 +525,7 @@
   function drawPace(run) {
     paceFigures ||= [
       paceFigure($("pace"), "Throughput", "Designs [1/s]", 1, 1,
-        { label: "designs a second", colour: "series-1", column: "designs_per_s", axis: { ticks: { callback: brief, color: colour("soft") } } }),
+        { label: "designs a second", colour: "series-1", column: "designs_per_s", axis: { ticks: { callback: brief } } }),
       paceFigure($("pace"), "Messages lost", "Lost lately [%]", 2, 100,
         { label: "lost share", colour: "series-4", column: "lost_share", axis: { suggestedMax: 1 } }),
     ];
@@ -516,52 +540,22 @@
     ]);
   }
 
-  const STATUS = {
-    running: ["design", "circle"], done: ["series-3", "circle"],
-    purity_missed: ["series-2", "triangle"], no_good_design: ["series-4", "crossRot"],
-  };
+  const sweepChart = new Sweep.Chart($("searches-chart"), $("sweep-axis"), (search) => pickSearch(choice.run, search));
 
-  function sweepFigureOf(parent) {
-    const data = Object.keys(STATUS).map(() => []);
-    const figure = new Figure(parent, {
-      title: "Volume by search", file: "sweep-volume", x: "Search", y: "ln(volume / design space) [1]",
-      options: {
-        interaction: { mode: "nearest", intersect: false, axis: "xy" },
-        onClick: (event, items) => { if (items.length) { follow.search = false; $("search-follow").checked = false; choose(choice.run, data[items[0].datasetIndex][items[0].index].x); } },
-      },
-      axes: { x: { ticks: { precision: 0, color: colour("soft") } }, y: { suggestedMax: 0 } },
-      datasets: () => Object.entries(STATUS).map(([status, [name, style]], i) => line(words(status), name, data[i],
-        { showLine: false, pointRadius: 4, pointStyle: style, pointBackgroundColor: colour(name) })),
-      tooltip: { callbacks: { title: (items) => items.length ? `search ${items[0].parsed.x}` : "" } },
-      describe: () => Object.keys(STATUS).map((status, i) => `${data[i].length} ${words(status)}`).join(", ") + ".",
-      table: () => ({ head: ["search", "status", "log_volume"], rows: Object.keys(STATUS).flatMap((status, i) => data[i].map((p) => [p.x, status, p.y])).sort((a, b) => a[0] - b[0]) }),
-    });
-    return (searches) => {
-      data.forEach((points) => { points.length = 0; });
-      const names = Object.keys(STATUS);
-      for (const s of searches) {
-        const i = names.indexOf(s.status);
-        if (i >= 0 && s.log_volume != null && s.log_volume > -1e300) data[i].push({ x: s.search, y: s.log_volume });
-      }
-      figure.update();
-    };
-  }
-
-  let sweepDrawn = 0;
   function drawSearches(run) {
     $("searches-section").hidden = run.searches <= 1;
     if (run.searches <= 1) return;
-    const list = [...(known.searches.get(run.id) || new Map()).values()];
+    const cases = known.cases.get(run.id);
+    const axes = (cases && cases.axes) || [];
+    const list = Sweep.rowsOf(run, known.searches.get(run.id) || new Map(), cases);
     const filter = $("search-filter").value.trim().toLowerCase();
-    const shown = filter === "" ? list : list.filter((s) => String(s.search) === filter || s.phase.includes(filter) || words(s.status).includes(filter));
+    const shown = filter === "" ? list : list.filter((s) => Sweep.matches(s, filter));
+    if (searchesTable.axes !== axes.join()) searchesTable = searchesTableOf(axes);
     $("search-follow").checked = follow.search;
     show($("searches-count"), `${plain.format(shown.length)} of ${plain.format(list.length)} heard of, ${plain.format(run.searches)} in the run`);
     searchesTable.draw(shown);
     $("searches-more").hidden = shown.length <= searchesTable.limit;
-    if (performance.now() - sweepDrawn < 900) return;
-    sweepDrawn = performance.now();
-    sweepFigure ||= sweepFigureOf($("searches-chart"));
-    sweepFigure(list);
+    sweepChart.update(shown, axes);
   }
 
   function drawProblems() {
@@ -598,6 +592,8 @@
     document.body.classList.toggle("is-stale", !live);
   }
 
+  const xray = new Xray.Xray($("xray-section"));
+
   // ---- Drawing ----
 
   let asked = false, listsDrawn = -1e9;
@@ -618,6 +614,9 @@
     $("runs-empty").hidden = known.runs.size > 0;
     if (known.monitor) {
       show($("source"), known.monitor.source);
+      // A run folder knows nothing of workers, losses and the time of each step.
+      const recorded = !known.monitor.source.includes("://");
+      $("workers-section").hidden = $("pace-section").hidden = recorded;
       show($("about"), `sobox ${known.monitor.version} · ${brief(known.own.received || 0)} messages heard · all data stays between this page and the monitor`);
     }
     // Lists of thousands are drawn once a second, what is chosen with every event.
@@ -634,6 +633,7 @@
     if (!chosenNews) return;
     chosenNews = false;
     drawCorridors();
+    xray.update(choice, chosen);
     drawCourse();
     drawPace(run);
   }

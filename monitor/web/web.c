@@ -14,6 +14,8 @@
 EMBED(index, WEB_FOLDER "/index.html");
 EMBED(style, WEB_FOLDER "/page.css");
 EMBED(figures, WEB_FOLDER "/figures.js");
+EMBED(xray, WEB_FOLDER "/xray.js");
+EMBED(sweep, WEB_FOLDER "/sweep.js");
 EMBED(script, WEB_FOLDER "/page.js");
 EMBED(chart, WEB_CHART_JS);
 
@@ -25,6 +27,8 @@ bool web_file(const char *path, struct web_file *file)
         {"/", "text/html; charset=utf-8", web_index_begin, web_index_end},
         {"/page.css", "text/css; charset=utf-8", web_style_begin, web_style_end},
         {"/figures.js", "text/javascript; charset=utf-8", web_figures_begin, web_figures_end},
+        {"/xray.js", "text/javascript; charset=utf-8", web_xray_begin, web_xray_end},
+        {"/sweep.js", "text/javascript; charset=utf-8", web_sweep_begin, web_sweep_end},
         {"/page.js", "text/javascript; charset=utf-8", web_script_begin, web_script_end},
         {"/chart.js", "text/javascript; charset=utf-8", web_chart_begin, web_chart_end},
     };

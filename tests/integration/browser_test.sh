@@ -48,7 +48,7 @@ nothing_comes_from_elsewhere()
 {
     _start_page
     local file
-    for file in / /page.css /page.js /figures.js; do
+    for file in / /page.css /page.js /figures.js /xray.js /sweep.js; do
         _fetch 200 "$file"
         expect_said headers "Content-Security-Policy: default-src 'none'"
         expect_said headers 'X-Content-Type-Options: nosniff'
