@@ -447,7 +447,7 @@ static enum status show(const char *directory, struct error *error)
     struct error undrawn = {0};
     if (report_draw(directory, &(struct report_plot){.format = REPORT_SVG}, &undrawn) != STATUS_OK)
         log_note("no picture: %s", undrawn.text);
-    return report_print(directory, false, stdout, error);
+    return report_print(directory, &(struct report_table){0}, stdout, error);
 }
 
 // What a session that ended as it should says with its exit status.

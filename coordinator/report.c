@@ -326,7 +326,8 @@ static enum status report(const struct options *options, struct error *error)
     if (drawn == STATUS_INVALID)
         return drawn;
     struct error unprinted = {0};
-    status = report_print(options->directory, options->normalise, stdout, &unprinted);
+    const struct report_table table = {.normalise = options->normalise, .bounds = true};
+    status = report_print(options->directory, &table, stdout, &unprinted);
     if (drawn != STATUS_OK)
         return drawn;
     if (status != STATUS_OK)

@@ -80,6 +80,7 @@ void scenario_init(struct scenario *scenario)
                 .target_purity = 0.99,
                 .seed = 1,
                 .sampling = SCENARIO_SAMPLING_UNIFORM,
+                .explain_samples = SCENARIO_EXPLAIN_AUTO,
             },
     };
 }

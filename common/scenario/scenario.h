@@ -101,6 +101,8 @@ struct scenario_constraint {
     double scale;     // > 0: relative violation = (min - value or value - max) / scale
 };
 
+#define SCENARIO_EXPLAIN_AUTO UINT32_MAX
+
 // The two bounds of every variable; NAN where a bound is not held.
 struct scenario_hold {
     double *lower; // (variables) or NULL: none is held
@@ -124,6 +126,8 @@ struct scenario_search {
                           // steps of exploration
     uint64_t evaluations; // budget of the whole search, its certificate included; 0: no limit
                           // beside the counts of steps. At least samples + certificate_samples
+    uint32_t explain_samples; // just outside each bound, to say what holds it; 0: it is not said.
+                              // SCENARIO_EXPLAIN_AUTO: as many as are worth their cost
 
     double *start;        // the design from which to begin, inside the design space
     struct box start_box; // the box from which to begin, inside the design space; count 0: none.

@@ -13,7 +13,7 @@ enum {
     SAMPLES_MAX = 65536,         // of one batch
     TEXT_SIZE_MAX = 1024 * 1024, // [bytes] of a scenario or box that travels in pieces
     SAMPLING_COUNT = 3,          // enum scenario_sampling (common/scenario/scenario.h)
-    SEARCH_PHASE_COUNT = 5,      // enum search_phase (coordinator/search/search.h)
+    SEARCH_PHASE_COUNT = 6,      // enum search_phase (coordinator/search/search.h)
     SEARCH_STATUS_COUNT = 4,     // enum search_status (same)
     RUN_STATE_COUNT = 5,         // see run_status_t.lcm
     STANDING_COUNT = 4,          // see search_status_t.lcm

@@ -1,6 +1,7 @@
 // result.json, corridors.csv, history.csv and, of a sweep, summary.csv. They are written side by
 // side, one search after the other, so that a sweep of any size costs the memory of one search.
 #include "common/base/whole_file.h"
+#include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
@@ -206,6 +207,8 @@ static json_t *json_variables(const struct run_data_search *search)
             json_place(object, scenario, variable);
         json_object_set_new(object, "design", json_interval(&scenario->design_space, i));
         json_object_set_new(object, "corridor", json_interval(search->box, i));
+        json_object_set_new(object, "lower", holding_json_bound(search, i, false));
+        json_object_set_new(object, "upper", holding_json_bound(search, i, true));
         json_array_append_new(variables, object);
     }
     return variables;
@@ -243,9 +246,12 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
         json_object_set_new(object, "case", json_case(data, search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
-    if (record->blocking_constraint[0] != '\0')
+    json_object_set_new(object, "constraints", holding_json_constraints(search));
+    if (record->blocking_constraint[0] != '\0') {
         json_object_set_new(object, "blocking_constraint",
                             json_string(record->blocking_constraint));
+        json_object_set_new(object, "least_violating_design", holding_json_least(search));
+    }
     json_object_set_new(object, "digest",
                         record->finished ? json_string(digest_hex(&record->digest, hex))
                                          : json_null());

@@ -106,10 +106,16 @@ struct report_check {
 enum status report_check(const char *directory, const struct report_check *check, FILE *out,
                          bool *inside, struct error *error) MUST_USE;
 
-// Prints the corridors, the purity with its bound, the cost and the files to `out`; of a sweep one
-// line a search. With `normalise` forces, deformations and variables are shares as in the pictures,
-// and bounds of constraints are left out. Errors: STATUS_IO, and those of journal_open().
-enum status report_print(const char *directory, bool normalise, FILE *out,
+// The table for people.
+struct report_table {
+    bool normalise; // forces, deformations and variables are shares as in the pictures, and limits
+                    // of constraints are left out
+    bool bounds;    // what holds each bound is shown too, and not only what holds how many
+};
+
+// Prints the corridors, what each constraint costs them, the purity with its bound, the cost and
+// the files to `out`; of a sweep one line a search. Errors: STATUS_IO, and those of journal_open().
+enum status report_print(const char *directory, const struct report_table *table, FILE *out,
                          struct error *error) MUST_USE;
 
 #endif

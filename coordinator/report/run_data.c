@@ -1,6 +1,7 @@
 #include "coordinator/report/run_data.h"
 
 #include "common/scenario/scenario_read.h"
+#include "coordinator/search/search.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -45,7 +46,48 @@ static enum status take_verdicts(struct run_data_search *search, const struct jo
                              step->step);
         search->bad++;
         search->worst[verdict->constraint]++;
+        if (search->least_constraint == UINT32_MAX ||
+            verdict->violation < search->least_violation) {
+            search->least_constraint = verdict->constraint;
+            search->least_violation = verdict->violation;
+        }
     }
+    return STATUS_OK;
+}
+
+// A certificate says how pure the box is of which the bounds are explained.
+static void take_certificate(struct run_data_search *search, const struct journal_step *step)
+{
+    g_clear_pointer(&search->certificate, g_free);
+    search->certificate_samples = 0;
+    if (step->detail != VERDICT_DETAIL_FULL)
+        return;
+    search->certificate = g_memdup2(step->verdicts, step->samples * sizeof *step->verdicts);
+    search->certificate_samples = step->samples;
+}
+
+// The corridors are what was certified last.
+static void begin_explanation(struct run_data_search *search, const struct box *corridors)
+{
+    explain_init(&search->explain, &search->scenario, corridors);
+    if (search->certificate != NULL)
+        explain_take_inside(&search->explain, search->certificate, search->certificate_samples);
+}
+
+static enum status take_outside(struct run_data_search *search, const struct journal_step *step,
+                                struct error *error)
+{
+    const struct sampling sampling = {.seed = search->record.seed,
+                                      .step = step->step,
+                                      .samples = step->samples,
+                                      .method = SCENARIO_SAMPLING_UNIFORM};
+    if (search->explain.scenario == NULL && search->last_box.count > 0)
+        begin_explanation(search, &search->last_box);
+    if (search->explain.scenario == NULL || step->detail != VERDICT_DETAIL_FULL ||
+        !explain_take(&search->explain, &sampling, step->box, step->verdicts))
+        return error_set(error, STATUS_IO,
+                         "step %" PRIu32 " was not sampled just outside a bound of its box",
+                         step->step);
     return STATUS_OK;
 }
 
@@ -64,10 +106,31 @@ static enum status take_step(void *user, const struct journal_step *step, struct
     g_strlcpy(row.phase, step->phase, sizeof row.phase);
     g_array_append_val(search->steps, row);
     search->evaluations += step->samples;
+    if (strcmp(step->phase, search_phase_name(SEARCH_PHASE_EXPLAIN)) == 0)
+        return take_outside(search, step, error);
+    if (strcmp(step->phase, search_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
+        take_certificate(search, step);
     if (search->last_box.count == 0)
         box_init(&search->last_box, step->box->count);
     box_assign(&search->last_box, step->box);
     return take_verdicts(search, step, error);
+}
+
+// What log-volumes are measured in: the design space, without the width of variables that are held
+// to one value.
+static double free_log_volume(const struct run_data_search *search)
+{
+    const struct scenario_hold *hold = &search->scenario.search.hold;
+    struct box space;
+    box_init(&space, search->scenario.design_space.count);
+    box_assign(&space, &search->scenario.design_space);
+    for (uint32_t v = 0; v < space.count; v++) {
+        if (hold->lower != NULL && hold->upper != NULL && hold->lower[v] == hold->upper[v])
+            space.lower[v] = space.upper[v] = hold->lower[v];
+    }
+    const double log_volume = box_log_volume(search->box, &space);
+    box_fini(&space);
+    return log_volume;
 }
 
 // What is shown of a search that has its result, and of one that has not.
@@ -88,6 +151,8 @@ static enum status conclude(struct run_data_search *search, const struct journal
                              "its result has %" PRIu32 " variables, its scenario %" PRIu32,
                              record->box.count, search->scenario.design_space.count);
         search->box = &record->box;
+        if (search->explain.scenario == NULL)
+            begin_explanation(search, search->box);
         return STATUS_OK;
     }
     search->status = journal_state_name(run->state);
@@ -101,7 +166,7 @@ static enum status conclude(struct run_data_search *search, const struct journal
     }
     if (search->last_box.count > 0) {
         search->box = &search->last_box;
-        search->log_volume = box_log_volume(search->box, &search->scenario.design_space);
+        search->log_volume = free_log_volume(search);
     }
     return STATUS_OK;
 }
@@ -111,6 +176,7 @@ static enum status load(const struct run_data *data, uint32_t index, struct run_
 {
     struct journal *journal = data->journal;
     search->steps = g_array_new(FALSE, TRUE, sizeof(struct run_step));
+    search->least_constraint = UINT32_MAX;
     enum status status = journal_read_search(journal, index, &search->record, error);
     if (status == STATUS_OK)
         status = journal_read_values(journal, index, &search->values, error);
@@ -124,6 +190,9 @@ static enum status load(const struct run_data *data, uint32_t index, struct run_
         status = journal_read_steps(journal, index, take_step, search, error);
     if (status == STATUS_OK)
         status = conclude(search, &data->run, error);
+    g_clear_pointer(&search->certificate, g_free);
+    if (status == STATUS_OK && search->explain.scenario != NULL)
+        explain_conclude(&search->explain);
     return status;
 }
 
@@ -146,6 +215,8 @@ void run_data_release(struct run_data_search *search)
     journal_search_fini(&search->record);
     scenario_fini(&search->scenario);
     box_fini(&search->last_box);
+    explain_fini(&search->explain);
+    g_free(search->certificate);
     g_strfreev(search->values);
     if (search->steps != NULL)
         g_array_unref(search->steps);

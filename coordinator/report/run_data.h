@@ -5,6 +5,7 @@
 
 #include "common/scenario/scenario.h"
 #include "coordinator/journal/journal.h"
+#include "coordinator/search/explain.h"
 
 #include <glib.h>
 
@@ -38,7 +39,20 @@ struct run_data_search {
     uint64_t judged, bad;
     uint64_t worst[SCENARIO_CONSTRAINT_MAX];
 
-    struct box last_box; // sampled last; count 0 before the first step
+    // The least violating sample that is not good: UINT32_MAX before there is one. Meaningful where
+    // no good design was found, as the record's box is that very design then.
+    uint32_t least_constraint;
+    uint16_t least_violation;
+
+    // What holds each corridor, from the samples there are; `scenario` is NULL in it where nothing
+    // can be said: before there is a result, and where no good design was found.
+    struct explain explain;
+
+    struct box last_box; // the search's own, sampled last; count 0 before the first step
+
+    // Of the last certificate, until it is known whether an explanation follows.
+    struct verdict *certificate; // (certificate_samples) NULL without details
+    uint32_t certificate_samples;
 };
 
 struct run_data {

@@ -1,4 +1,5 @@
 // The table for the terminal: at most 80 columns, no drawing characters.
+#include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
@@ -176,22 +177,11 @@ static void print_obstacle(const struct run_data_search *search, bool normalise,
             worst = i;
     if (search->worst[worst] == 0)
         return;
-    const struct scenario_constraint *constraint = &scenario->constraints[worst];
-    char name[SCENARIO_OUTCOME_NAME_SIZE], bad[NUMBER_SIZE], judged[NUMBER_SIZE];
-    fprintf(out, "in the way   %s", scenario_outcome_name(scenario, constraint->outcome, name));
-    if (normalise) {
-        fprintf(out, ": violated worst by %s of %s samples\n",
-                number_count(search->worst[worst], bad), number_count(search->judged, judged));
-        return;
-    }
-    if (isfinite(constraint->min))
-        fprintf(out, " >= %g", constraint->min);
-    if (isfinite(constraint->max))
-        fprintf(out, "%s <= %g", isfinite(constraint->min) ? " and" : "", constraint->max);
-    const char *unit = scenario_outcome_unit(scenario, constraint->outcome);
-    fprintf(out, "%s%s: violated worst by %s of %s samples\n", strcmp(unit, "1") == 0 ? "" : " ",
-            strcmp(unit, "1") == 0 ? "" : unit, number_count(search->worst[worst], bad),
-            number_count(search->judged, judged));
+    char *words = holding_constraint(scenario, worst, normalise);
+    char bad[NUMBER_SIZE], judged[NUMBER_SIZE];
+    fprintf(out, "in the way   %s: violated worst by %s of %s samples\n", words,
+            number_count(search->worst[worst], bad), number_count(search->judged, judged));
+    g_free(words);
 }
 
 static void print_purity(const struct run_data_search *search, FILE *out)
@@ -235,8 +225,10 @@ static void print_title(const struct run_data_search *search, const char *name, 
     fputc('\n', out);
 }
 
-static void print_search(const struct run_data_search *search, bool normalise, FILE *out)
+static void print_search(const struct run_data_search *search, const struct report_table *table,
+                         FILE *out)
 {
+    const bool normalise = table->normalise;
     char *name = report_name_plain(search->name),
          *status = report_name_plain(status_meaning(search->status));
     print_title(search, name, out);
@@ -244,9 +236,13 @@ static void print_search(const struct run_data_search *search, bool normalise, F
         print_spring(search, i, normalise, out);
     if (search->box != NULL && search->scenario.spring_count == 0)
         print_variables(search, normalise, out);
+    if (table->bounds)
+        holding_print_bounds(search, normalise, out);
+    holding_print_summary(search, normalise, out);
     fprintf(out, "\nstatus       %s\n", status);
     if (run_data_found_nothing(search)) {
         print_obstacle(search, normalise, out);
+        holding_print_least(search, normalise, out);
     } else {
         print_purity(search, out);
         if (search->box != NULL)
@@ -342,7 +338,8 @@ static void print_files(const char *directory, FILE *out)
     }
 }
 
-enum status report_print(const char *directory, bool normalise, FILE *out, struct error *error)
+enum status report_print(const char *directory, const struct report_table *table, FILE *out,
+                         struct error *error)
 {
     struct run_data data;
     enum status status = run_data_open(&data, directory, error);
@@ -354,7 +351,7 @@ enum status report_print(const char *directory, bool normalise, FILE *out, struc
         struct run_data_search search;
         status = run_data_load(&data, 0, &search, error);
         if (status == STATUS_OK)
-            print_search(&search, normalise, out);
+            print_search(&search, table, out);
         run_data_release(&search);
     }
     if (status == STATUS_OK)

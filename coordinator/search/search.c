@@ -3,6 +3,7 @@
 #include "coordinator/search/certificate.h"
 #include "coordinator/search/consolidate.h"
 #include "coordinator/search/demands.h"
+#include "coordinator/search/explain.h"
 #include "coordinator/search/seek.h"
 #include "coordinator/search/tournament.h"
 
@@ -38,6 +39,14 @@ enum given {
     GIVEN_REFERENCE, // is it good?
     GIVEN_START,     // is the start, or anything in the start box, good?
     GIVEN_NONE,      // nothing is left to look at
+};
+
+// What the digest covers beside the box.
+struct counted {
+    uint32_t step;
+    uint64_t evaluations;
+    uint64_t non_finite;
+    enum search_status status;
 };
 
 struct search {
@@ -76,6 +85,13 @@ struct search {
 
     struct certificate certificate;
 
+    // Explain.
+    struct explain explain;
+    uint32_t explained;         // bounds, of explain.step_count
+    uint32_t explain_samples;   // a bound
+    uint64_t non_finite_beside; // in samples of which nothing in the box depends
+    struct counted counted;     // before it
+
     // The samples of the step that is being completed.
     struct cloud good;
     struct cloud bad;
@@ -93,6 +109,7 @@ const char *search_phase_name(enum search_phase phase)
         [SEARCH_PHASE_EXPLORE] = "explore",
         [SEARCH_PHASE_CONSOLIDATE] = "consolidate",
         [SEARCH_PHASE_CERTIFY] = "certify",
+        [SEARCH_PHASE_EXPLAIN] = "explain",
         [SEARCH_PHASE_DONE] = "done",
     };
     return names[phase];
@@ -135,10 +152,9 @@ static void widen(const struct search *search, const struct box *box, struct box
 
 // ---- what to sample next
 
-static void ask(struct search *search, const struct box *box, uint32_t samples,
-                enum scenario_sampling method, enum verdict_detail detail)
+static void ask_requested(struct search *search, uint32_t samples, enum scenario_sampling method,
+                          enum verdict_detail detail)
 {
-    widen(search, box, &search->requested);
     search->request = (struct search_request){
         .sampling = {.seed = search->seed,
                      .search = search->index,
@@ -149,6 +165,20 @@ static void ask(struct search *search, const struct box *box, uint32_t samples,
         .detail = detail,
         .box = &search->requested,
     };
+}
+
+static void ask(struct search *search, const struct box *box, uint32_t samples,
+                enum scenario_sampling method, enum verdict_detail detail)
+{
+    widen(search, box, &search->requested);
+    ask_requested(search, samples, method, detail);
+}
+
+// Just outside the next bound.
+static void ask_slab(struct search *search)
+{
+    box_assign(&search->requested, explain_slab(&search->explain, search->explained));
+    ask_requested(search, search->explain_samples, SCENARIO_SAMPLING_UNIFORM, VERDICT_DETAIL_FULL);
 }
 
 // Whether a box holds one design only: it is looked at once.
@@ -180,7 +210,10 @@ static void ask_next(struct search *search)
     case SEARCH_PHASE_CERTIFY:
         // Clopper-Pearson holds for independent samples only.
         ask(search, &current(search)->box, settings->certificate_samples, SCENARIO_SAMPLING_UNIFORM,
-            VERDICT_DETAIL_SHARE);
+            settings->explain_samples > 0 ? VERDICT_DETAIL_FULL : VERDICT_DETAIL_SHARE);
+        break;
+    case SEARCH_PHASE_EXPLAIN:
+        ask_slab(search);
         break;
     case SEARCH_PHASE_DONE:
         break;
@@ -200,8 +233,11 @@ static void gather(const struct search *search, struct cloud *cloud, const uint3
         for (uint32_t i = 0; i < count; i++)
             column[i] = from[chosen[i]];
     }
+    // How badly a certificate's samples violate is known only when the box is to be explained, and
+    // no box may depend on that.
+    const bool known = search->phase != SEARCH_PHASE_CERTIFY;
     for (uint32_t i = 0; i < count; i++)
-        cloud->violation[cloud->count + i] = verdicts[chosen[i]].violation;
+        cloud->violation[cloud->count + i] = known ? verdicts[chosen[i]].violation : 1;
     cloud->count += count;
 }
 
@@ -248,8 +284,11 @@ static void count_verdicts(struct search *search, const struct verdict *verdicts
     search->evaluations += samples;
     if (search->request.detail != VERDICT_DETAIL_FULL)
         return;
+    const bool beside =
+        search->phase == SEARCH_PHASE_CERTIFY || search->phase == SEARCH_PHASE_EXPLAIN;
+    uint64_t *non_finite = beside ? &search->non_finite_beside : &search->non_finite;
     for (uint32_t i = 0; i < samples; i++) {
-        search->non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
+        *non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
         if (search->phase == SEARCH_PHASE_SEEK && verdicts[i].violation != VERDICT_GOOD)
             search->blocked[verdicts[i].constraint]++;
     }
@@ -257,13 +296,14 @@ static void count_verdicts(struct search *search, const struct verdict *verdicts
 
 // ---- what is left to spend
 
-// How many steps of `samples` the budget has room for beside a certificate.
+// How many steps of `samples` the budget has room for beside a certificate and an explanation.
 static uint64_t steps_affordable(const struct search *search, uint32_t samples)
 {
     const struct scenario_search *settings = &search->scenario->search;
     if (settings->evaluations == 0)
         return UINT64_MAX;
-    const uint64_t spoken_for = search->evaluations + settings->certificate_samples;
+    const uint64_t spoken_for =
+        search->evaluations + settings->certificate_samples + explain_reserve(search->scenario);
     return spoken_for < settings->evaluations ? (settings->evaluations - spoken_for) / samples : 0;
 }
 
@@ -301,6 +341,34 @@ static void finish(struct search *search, enum search_status status)
 {
     search->phase = SEARCH_PHASE_DONE;
     search->status = status;
+    search->counted = (struct counted){.step = search->step,
+                                       .evaluations = search->evaluations,
+                                       .non_finite = search->non_finite,
+                                       .status = status};
+}
+
+// There is a box, and it is final: what is left to do is to say what holds it.
+static void finish_box(struct search *search, enum search_status status)
+{
+    finish(search, status);
+    if (search->scenario->search.explain_samples == 0)
+        return;
+    widen(search, standing(search), &search->result);
+    explain_init(&search->explain, search->scenario, &search->result);
+    search->explain_samples =
+        explain_samples(&search->scenario->search, search->explain.step_count, search->evaluations);
+    if (search->explain_samples == 0)
+        return;
+    search->phase = SEARCH_PHASE_EXPLAIN;
+    search->status = SEARCH_STATUS_RUNNING;
+}
+
+static void complete_explain(struct search *search)
+{
+    if (++search->explained == search->explain.step_count) {
+        search->phase = SEARCH_PHASE_DONE;
+        search->status = search->counted.status;
+    }
 }
 
 static bool has_volume(const struct box *box, const struct box *space)
@@ -558,14 +626,14 @@ static void complete_certify(struct search *search)
     const double bad_before = bad_share_wanted(search);
     certificate_look(certificate, search->request.sampling.samples, search->bad.count);
     if (certificate->lower95 >= settings->target_purity) {
-        finish(search, SEARCH_STATUS_DONE);
+        finish_box(search, SEARCH_STATUS_DONE);
         return;
     }
     const bool hopeless = certificate->looks == CERTIFICATE_LOOKS ||
                           certificate_bad_max(certificate, settings->certificate_samples,
                                               settings->target_purity) < 0;
     if (hopeless) {
-        finish(search, SEARCH_STATUS_PURITY_MISSED);
+        finish_box(search, SEARCH_STATUS_PURITY_MISSED);
         return;
     }
     search->samples = search->samples > UINT32_MAX / 2 ? search->samples : 2 * search->samples;
@@ -574,7 +642,7 @@ static void complete_certify(struct search *search)
     steps = steps > 0 ? steps : 1;
     steps = steps < affordable ? steps : (uint32_t)affordable;
     if (steps == 0)
-        finish(search, SEARCH_STATUS_PURITY_MISSED);
+        finish_box(search, SEARCH_STATUS_PURITY_MISSED);
     else
         start_consolidate(search, steps, bad_before);
 }
@@ -599,7 +667,8 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     count_verdicts(search, verdicts);
     recall(search, verdicts);
     // Before exploration they matter only where it may be cut short.
-    if (phase != SEARCH_PHASE_SEEK || search->scenario->search.evaluations > 0)
+    if (phase != SEARCH_PHASE_EXPLAIN &&
+        (phase != SEARCH_PHASE_SEEK || search->scenario->search.evaluations > 0))
         remember(search);
     search->step++;
     switch (phase) {
@@ -614,6 +683,9 @@ void search_complete(struct search *search, const struct verdict *verdicts)
         break;
     case SEARCH_PHASE_CERTIFY:
         complete_certify(search);
+        break;
+    case SEARCH_PHASE_EXPLAIN:
+        complete_explain(search);
         break;
     case SEARCH_PHASE_DONE:
         break;
@@ -698,6 +770,7 @@ void search_free(struct search *search)
     tournament_fini(&search->tournament);
     consolidate_fini(&search->consolidate);
     demands_fini(&search->demands);
+    explain_fini(&search->explain);
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);
@@ -730,6 +803,9 @@ const struct search_step *search_last_step(const struct search *search)
 static uint32_t steps_left(const struct search *search)
 {
     uint32_t left = 0;
+    // It is not known before it begins which bounds lie on the edge of the design space.
+    if (search->scenario->search.explain_samples > 0 && search->phase < SEARCH_PHASE_EXPLAIN)
+        left += explain_steps_most(search->scenario);
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
         left += 1 + search->exploration_steps + search->consolidation_steps + 1;
@@ -743,6 +819,9 @@ static uint32_t steps_left(const struct search *search)
         break;
     case SEARCH_PHASE_CERTIFY:
         left += 1;
+        break;
+    case SEARCH_PHASE_EXPLAIN:
+        left += search->explain.step_count - search->explained;
         break;
     case SEARCH_PHASE_DONE:
         break;
@@ -780,10 +859,10 @@ static struct digest result_digest(const struct search *search)
     digest_start(&state);
     digest_doubles(&state, search->result.lower, search->result.count);
     digest_doubles(&state, search->result.upper, search->result.count);
-    digest_u64(&state, search->status);
-    digest_u64(&state, search->step);
-    digest_u64(&state, search->evaluations);
-    digest_u64(&state, search->non_finite);
+    digest_u64(&state, search->counted.status);
+    digest_u64(&state, search->counted.step);
+    digest_u64(&state, search->counted.evaluations);
+    digest_u64(&state, search->counted.non_finite);
     digest_u64(&state, search->certificate.samples);
     digest_u64(&state, search->certificate.bad);
     return digest_end(&state);
@@ -797,7 +876,7 @@ void search_result(const struct search *search, struct search_result *result)
         .box = &search->result,
         .log_volume = box_log_volume(&search->result, &search->frame),
         .evaluations = search->evaluations,
-        .non_finite = search->non_finite,
+        .non_finite = search->non_finite + search->non_finite_beside,
         .steps = search->step,
         .blocking_constraint = blocking_constraint(search),
         .digest = result_digest(search),

@@ -2,7 +2,11 @@
 // and asks for the next, until it is done (design.md section 4). It knows no clock, network or
 // file; the same verdicts give the same bits, whoever computed them and however many threads trim.
 //
-//     seek -> explore (grow, sample, trim) -> consolidate (sample, trim) -> certify -> done
+//     seek -> explore (grow, sample, trim) -> consolidate (sample, trim) -> certify -> explain ->
+//     done
+//
+// The last phase changes nothing in the box: it samples just outside it, to say what holds it
+// (explain.h). It may be left out.
 //
 // A finished step is an event: the journal keeps the verdicts of each, and a search is resumed by
 // replaying them.
@@ -20,6 +24,7 @@ enum search_phase {
     SEARCH_PHASE_EXPLORE,
     SEARCH_PHASE_CONSOLIDATE,
     SEARCH_PHASE_CERTIFY,
+    SEARCH_PHASE_EXPLAIN,
     SEARCH_PHASE_DONE,
 };
 
@@ -73,7 +78,8 @@ struct search_result {
     uint64_t non_finite; // samples with a non-finite outcome
     uint32_t steps;
     uint32_t blocking_constraint; // no good design: the constraint most often in the way
-    struct digest digest;         // of the bounds' bits and the counts
+    struct digest digest;         // of the bounds' bits and the counts, those of the explanation
+                                  // left out: the same with one and without
 };
 
 struct search;

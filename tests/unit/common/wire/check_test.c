@@ -239,7 +239,7 @@ static void fields_out_of_range_are_rejected(void **state)
     RUN(service_ns, -1);
 #define SEARCH(field, value) REFUSED(WIRE_SEARCH_STATUS, search_status, field, value)
     SEARCH(search, -1);
-    SEARCH(phase, 5);
+    SEARCH(phase, 6);
     SEARCH(status, 4);
     SEARCH(evaluations, -1);
     SEARCH(good_share, NAN);
@@ -254,7 +254,7 @@ static void fields_out_of_range_are_rejected(void **state)
     SEARCH(first_variable, 5); // three variables from there are one too many
 #define STEP(field, value) REFUSED(WIRE_STEP_STATUS, step_status, field, value)
     STEP(search, -1);
-    STEP(phase, 5);
+    STEP(phase, 6);
     STEP(sampling, 3);
     STEP(detail, 2);
     STEP(samples, 0);

@@ -19,7 +19,7 @@ static char *printed(const char *folder)
     char *text = NULL;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    assert_int_equal(report_print(folder, false, out, NULL), STATUS_OK);
+    assert_int_equal(report_print(folder, &(struct report_table){0}, out, NULL), STATUS_OK);
     fclose(out);
     return text;
 }

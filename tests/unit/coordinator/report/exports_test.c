@@ -27,7 +27,7 @@ static char *printed(const char *folder)
     size_t size;
     FILE *out = open_memstream(&text, &size);
     struct error error = {0};
-    if (report_print(folder, false, out, &error) != STATUS_OK)
+    if (report_print(folder, &(struct report_table){.bounds = true}, out, &error) != STATUS_OK)
         fail_msg("%s", error.text);
     fclose(out);
     return text;

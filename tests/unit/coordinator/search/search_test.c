@@ -102,6 +102,7 @@ struct setting {
     double target;
     int threads;
     bool replay;                  // start anew half-way, from the verdicts given so far
+    uint32_t replay_at;           // or after so many steps
     struct scenario_search asked; // what engineers ask for; everything else is filled in
 };
 
@@ -173,7 +174,8 @@ static struct outcome_of_search run(const struct setting *setting, uint64_t seed
         outcome.steps[request.phase]++;
         search_complete(search, verdicts);
         assert_int_equal(search_last_step(search)->step, request.sampling.step);
-        if (setting->replay && journal->len == setting->steps) {
+        if (setting->replay &&
+            journal->len == (setting->replay_at > 0 ? setting->replay_at : setting->steps)) {
             search_free(search);
             search = search_create(&scenario, 3, seed, setting->threads);
             for (guint i = 0; i < journal->len; i++) {
@@ -440,6 +442,91 @@ static void replayed_search_ends_with_the_same_digest(void **state)
     assert_true(digest_equal(&whole.result.digest, &resumed.result.digest));
     box_fini(&whole.box);
     box_fini(&resumed.box);
+}
+
+// What is asked is said after the box is final, so that it may be left out: box, purity and digest
+// are the same, and only evaluations and steps show it.
+static void explanation_changes_nothing(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 5;
+    setting.steps = 20;
+    setting.target = 0.997; // some seeds look twice
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        setting.asked.explain_samples = 0;
+        struct outcome_of_search plain = run(&setting, seed);
+        setting.asked.explain_samples = 50;
+        setting.replay = seed == 2;
+        struct outcome_of_search explained = run(&setting, seed);
+        setting.replay = false;
+        assert_int_equal(plain.steps[SEARCH_PHASE_EXPLAIN], 0);
+        assert_int_equal(explained.steps[SEARCH_PHASE_EXPLAIN], 10);
+        assert_true(box_equal(&plain.box, &explained.box));
+        assert_true(digest_equal(&plain.result.digest, &explained.result.digest));
+        assert_int_equal(plain.result.status, explained.result.status);
+        assert_int_equal(plain.result.purity.bad, explained.result.purity.bad);
+        assert_int_equal(explained.result.evaluations, plain.result.evaluations + 500);
+        assert_int_equal(explained.result.steps, plain.result.steps + 10);
+        box_fini(&plain.box);
+        box_fini(&explained.box);
+    }
+}
+
+// Killed while it samples outside the box, a search goes on there.
+static void explanation_is_resumed(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.steps = 20;
+    setting.asked.explain_samples = 50;
+    struct outcome_of_search whole = run(&setting, 1);
+    setting.replay = true;
+    setting.replay_at = whole.result.steps - 2;
+    struct outcome_of_search resumed = run(&setting, 1);
+    assert_int_equal(resumed.steps[SEARCH_PHASE_EXPLAIN], 4);
+    assert_true(box_equal(&whole.box, &resumed.box));
+    assert_true(digest_equal(&whole.result.digest, &resumed.result.digest));
+    assert_int_equal(whole.result.evaluations, resumed.result.evaluations);
+    box_fini(&whole.box);
+    box_fini(&resumed.box);
+}
+
+// There is nothing to explain without a box, and no bound to look at where all is good.
+static void nothing_is_explained_without_a_bound(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.asked.explain_samples = 50;
+    setting.problem = nowhere_good;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_NO_GOOD_DESIGN);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_EXPLAIN], 0);
+    box_fini(&outcome.box);
+    setting.problem = everywhere_good;
+    outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_EXPLAIN], 0);
+    box_fini(&outcome.box);
+}
+
+// The explanation is part of the budget: it is set aside, and what others left is not exceeded.
+static void explanation_stays_in_the_budget(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 5;
+    setting.asked.explain_samples = 100;
+    for (uint64_t budget = 12000; budget <= 30000; budget += 6000) {
+        setting.asked.evaluations = budget;
+        struct outcome_of_search outcome = run(&setting, 1);
+        assert_true(outcome.result.evaluations <= budget);
+        assert_int_equal(outcome.steps[SEARCH_PHASE_EXPLAIN], 10);
+        box_fini(&outcome.box);
+    }
 }
 
 // A request stays the same until it is answered, and the phases come in their order.
@@ -757,6 +844,10 @@ int main(void)
         cmocka_unit_test(short_searches_never_claim_too_much),
         cmocka_unit_test(threads_do_not_change_the_result),
         cmocka_unit_test(replayed_search_ends_with_the_same_digest),
+        cmocka_unit_test(explanation_changes_nothing),
+        cmocka_unit_test(explanation_is_resumed),
+        cmocka_unit_test(nothing_is_explained_without_a_bound),
+        cmocka_unit_test(explanation_stays_in_the_budget),
         cmocka_unit_test(asking_twice_changes_nothing),
         cmocka_unit_test(budget_is_kept),
         cmocka_unit_test(starts_are_as_many_as_asked_for),
