@@ -2,6 +2,7 @@
 // and how much of its fused multiply-add peak that is. Prints CSV.
 //
 //     kernel_bench                              measures
+//     kernel_bench only CASE [PATH]             measures one case, for instance 5x3@1ms
 //     kernel_bench count PAIRS POINTS DESIGNS   only evaluates so many designs, for
 //     kernel_instructions
 //
@@ -36,6 +37,7 @@ struct bench_case {
     uint32_t points;
     double time_step; // [s]
     enum kinematics_integrator integrator;
+    bool without_work;
 };
 
 // A sedan; springs from the wheel inwards, all struck by the barrier at first.
@@ -66,6 +68,7 @@ static struct kinematics_problem *bench_problem(const struct bench_case *bench)
         .duration = 0.150,
         .time_step = bench->time_step,
         .integrator = bench->integrator,
+        .without_work = bench->without_work,
     };
     return kinematics_create(&setup);
 }
@@ -181,25 +184,38 @@ static double bench_peak(void)
 }
 #endif
 
+// What to measure; NULL: all.
+struct bench_wanted {
+    const char *name;
+    const char *path;
+};
+
 // Prints a row for each path.
-static void bench_run(const struct bench_case *bench, double peak)
+static void bench_run(const struct bench_case *bench, const struct bench_wanted *wanted,
+                      double peak)
 {
+    g_autofree char *name =
+        g_strdup_printf("%ux%u@%gms%s%s", bench->pairs, bench->points, 1e3 * bench->time_step,
+                        bench->integrator == KINEMATICS_EVENT_VERLET ? "-events" : "",
+                        bench->without_work ? "-lean" : "");
+    if (wanted->name != NULL && strcmp(wanted->name, name) != 0) {
+        return;
+    }
     struct kinematics_problem *problem = bench_problem(bench);
     const uint32_t value_count = kinematics_value_count(problem);
     double *values = g_new(double, (size_t)value_count *BENCH_DESIGNS);
     double *results = g_new(double, (size_t)kinematics_result_count(problem) * BENCH_DESIGNS);
     bench_fill(values, value_count, bench->pairs);
     for (int path = 0; path < KINEMATICS_PATH_COUNT; path++) {
-        if (!kinematics_path_supported((enum kinematics_path)path)) {
+        const char *path_name = kinematics_path_name((enum kinematics_path)path);
+        if (!kinematics_path_supported((enum kinematics_path)path) ||
+            (wanted->path != NULL && strcmp(wanted->path, path_name) != 0)) {
             continue;
         }
         const double time = bench_time(problem, (enum kinematics_path)path, values, results);
         const double rate = bench_flops(bench) / time;
-        printf("%ux%u@%gms%s,%s,%.3f,%.0f,%.2f,%.3f\n", bench->pairs, bench->points,
-               1e3 * bench->time_step,
-               bench->integrator == KINEMATICS_EVENT_VERLET ? "-events" : "",
-               kinematics_path_name((enum kinematics_path)path), 1e6 * time, 1.0 / time,
-               1e-9 * rate, rate / peak);
+        printf("%s,%s,%.3f,%.0f,%.2f,%.3f\n", name, path_name, 1e6 * time, 1.0 / time, 1e-9 * rate,
+               rate / peak);
         fflush(stdout);
     }
     g_free(values);
@@ -235,15 +251,19 @@ int main(int argc, char **argv)
     if (argc == 5 && strcmp(argv[1], "count") == 0) {
         return bench_count(argv + 2);
     }
-    if (argc != 1) {
-        fprintf(stderr, "expected: kernel_bench [count PAIRS POINTS DESIGNS]\n");
+    const bool only = argc >= 3 && argc <= 4 && strcmp(argv[1], "only") == 0;
+    if (argc != 1 && !only) {
+        fprintf(stderr, "expected: kernel_bench [only CASE [PATH] | count PAIRS POINTS DESIGNS]\n");
         return 2;
     }
+    const struct bench_wanted wanted = {only ? argv[2] : NULL, only ? argv[3] : NULL};
     static const uint32_t sizes[][2] = {{1, 9}, {5, 3}, {9, 3}, {40, 3}}; // pairs, points
     static const struct bench_case ways[] = {
         {.time_step = 1e-3},
         {.time_step = 1e-4},
+        {.time_step = 1e-3, .without_work = true},
         {.time_step = 1e-3, .integrator = KINEMATICS_EVENT_VERLET},
+        {.time_step = 1e-3, .integrator = KINEMATICS_EVENT_VERLET, .without_work = true},
     };
     const double peak = bench_peak();
     printf("# fma peak of one core: %.1f GFLOP/s\n", 1e-9 * peak);
@@ -253,7 +273,7 @@ int main(int argc, char **argv)
             struct bench_case bench = ways[way];
             bench.pairs = sizes[size][0];
             bench.points = sizes[size][1];
-            bench_run(&bench, peak);
+            bench_run(&bench, &wanted, peak);
         }
     }
     return 0;

@@ -27,6 +27,19 @@ enum {
     KERNEL_VALUES = KERNEL_COEFFICIENTS / LANES,
 };
 
+// What event Verlet keeps of one spring, to find what happened within the step. Step n stands at n
+// modulo the number of places, so that the times before are there without being moved.
+struct kernel_event {
+    double deformation[3][LANES]; // [m]
+    double edge[2][LANES];        // [m] kernel_place.edge
+    struct lanes_mask loads[2];   // where the load branch acted
+    struct lanes_mask unloads[2]; // the same of the unload branch
+    struct lanes_mask contact[2]; // where it touched
+    double reference[LANES];      // [m] kernel_spring.reference before this time; with `crushed`
+    double force_x[LANES]; // [N] without what was made good of the step; kept while recording
+    double force_y[LANES]; // [N]
+};
+
 // What a bundle keeps of one spring. The parts stand side by side: as arrays of their own they
 // would lie whole pages apart, where the machine mistakes a store for a load's.
 struct kernel_spring {
@@ -36,24 +49,18 @@ struct kernel_spring {
     double place[LANES];     // [m] e
     double work[LANES];      // [J] done on the vehicle so far; the leapfrog schemes keep it twice
     double contact[LANES];   // 0 or 1; kept only while recording
-};
-
-// What event Verlet keeps beside of one spring, to find what happened within the step.
-struct kernel_event {
-    double deformation[LANES]; // [m] at the time before
-    double growth[LANES];      // [m] of the deformation, over the step before that time
-    double margin[LANES];      // [m] to the nearer end of the face, at the time before
-    double loads[LANES];       // 1 where the load branch acted at the time before, else 0
-    double unloads[LANES];     // the same of the unload branch
-    double force_x[LANES];     // [N] without what was made good of the step; kept while recording
-    double force_y[LANES];     // [N]
-};
+    struct kernel_event event;
+} __attribute__((aligned(64))); // so that no vector lies across two lines of the cache
 
 // What a bundle needs beside registers.
 struct kernel_scratch {
     double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
-    struct kernel_spring springs[KINEMATICS_SPRING_MAX] __attribute__((aligned(64)));
-    struct kernel_event events[KINEMATICS_SPRING_MAX] __attribute__((aligned(64)));
+    struct kernel_spring springs[KINEMATICS_SPRING_MAX];
+    // Event Verlet: what was found in the last step, of all springs, and where spring 0 left the
+    // face.
+    double made_good[3][LANES]; // [N, N, Nm]
+    struct lanes_mask left;
+    double left_at[LANES]; // [m] deformation
 };
 
 // Place and change of place. The leapfrog schemes keep the way of one step in `rate`, Runge-Kutta
@@ -88,7 +95,7 @@ struct kernel_load {
 struct kernel_place {
     struct lanes place;          // [m] e
     struct lanes projection;     // [m] y_P2
-    struct lanes margin;         // [m] to the nearer end of the face; set for event Verlet only
+    struct lanes edge;           // [m] y_P2; for rounded barriers the margin to the nearer end
     struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
     struct lanes normal_y;       //
     struct lanes_mask projected; // P2 lies on the barrier
@@ -196,6 +203,21 @@ LANES_INLINE struct kernel_pose kernel_pose(const struct kernel_motion *at)
     return pose;
 }
 
+// How far P2 lies inside the nearer end of the face [m]; below 0 outside.
+LANES_INLINE struct lanes kernel_margin(const struct kinematics_problem *problem,
+                                        struct lanes projection)
+{
+    return lanes_min(lanes_sub(lanes_set(problem->edge_y), projection),
+                     lanes_sub(projection, lanes_set(problem->far_y)));
+}
+
+// The same of kernel_place.edge.
+LANES_INLINE struct lanes kernel_edge_margin(const struct kinematics_problem *problem,
+                                             struct problem_features features, struct lanes edge)
+{
+    return features.rounded ? edge : kernel_margin(problem, edge);
+}
+
 // Moves P2 from the plane of the face onto the quarter circle where the spring's line crosses the
 // plane above it. With the line's distance h from the circle's centre, P2 lies sqrt(r^2 - h^2)
 // before the centre's foot on the line. A line that misses the quarter circle has no projection.
@@ -206,6 +228,7 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
 {
     const double radius = problem->edge_radius;
     const struct lanes zero = lanes_set(0.0);
+    const struct lanes face = place->projection;
     const struct lanes x = lanes_add(at->x, lanes_set(radius)); // COG from the circle's centre
     const struct lanes y = lanes_sub(at->y, lanes_set(problem->edge_y - radius));
     const struct lanes along = lanes_fma(x, pose->cosine, lanes_mul(y, pose->sine));
@@ -230,7 +253,7 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
     place->projected = lanes_or(meets, lanes_and_not(place->projected, above));
     // A line slips off the circle where it is a radius above the centre, or behind it.
     const struct lanes arc = lanes_min(lanes_add(lanes_set(radius), height), arm_x);
-    place->margin = lanes_select(above, arc, place->margin);
+    place->edge = lanes_select(above, arc, kernel_margin(problem, face));
 }
 
 LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *problem,
@@ -248,10 +271,7 @@ LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *p
         lanes_set(problem->far_y), place.projection);
     place.normal_x = lanes_set(1.0);
     place.normal_y = lanes_set(0.0);
-    if (features.events) {
-        place.margin = lanes_min(lanes_sub(lanes_set(problem->edge_y), place.projection),
-                                 lanes_sub(place.projection, lanes_set(problem->far_y)));
-    }
+    place.edge = place.projection;
     if (features.rounded) {
         kernel_round_edge(problem, spring, at, pose, &place);
         place.projected = lanes_and(place.projected, pose->forwards);
@@ -356,103 +376,170 @@ LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
         lanes_mul(scale, lanes_fms(share, lanes_add(near_x, there_x), near_x));
     const struct lanes more_y =
         lanes_mul(scale, lanes_fms(share, lanes_add(near_y, there_y), near_y));
-    *x = lanes_select(changed, lanes_add(*x, more_x), *x);
-    *y = lanes_select(changed, lanes_add(*y, more_y), *y);
+    *x = lanes_add(*x, lanes_keep(changed, more_x));
+    *y = lanes_add(*y, lanes_keep(changed, more_y));
 }
 
-// Finds what began and ended within the step that ends now and makes it good in the spring's force
-// (x, y). Where the spring left the face, `contact` is set and `deformation` is that at the moment
-// it did.
-LANES_INLINE void kernel_find_events(const struct kinematics_problem *problem,
-                                     struct problem_features features, uint32_t index,
-                                     const struct kernel_place *place, struct lanes s,
-                                     struct lanes reference, struct lanes_mask touches,
-                                     struct lanes_mask loads, struct lanes_mask unloads,
-                                     double weight, bool recording, struct kernel_scratch *scratch,
-                                     struct lanes *x, struct lanes *y, struct lanes_mask *contact,
-                                     struct lanes *deformation)
+// The step of one spring, from what was kept of it.
+LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *problem,
+                                               struct problem_features features, uint32_t number,
+                                               const struct kernel_event *event)
 {
-    const struct problem_spring *spring = &problem->springs[index];
-    struct kernel_event *kept = &scratch->events[index];
+    const uint32_t now = number % 3;
+    const uint32_t before = (number + 2) % 3;
+    const uint32_t earlier = (number + 1) % 3;
     const struct lanes zero = lanes_set(0.0);
-    if (recording) {
-        lanes_store(kept->force_x, *x);
-        lanes_store(kept->force_y, *y);
+    struct kernel_step step;
+    step.deformation = lanes_load(event->deformation[now]);
+    step.before = lanes_load(event->deformation[before]);
+    const struct lanes growth = lanes_sub(step.deformation, step.before);
+    const struct lanes growth_before =
+        lanes_sub(step.before, lanes_load(event->deformation[earlier]));
+    const struct lanes margin =
+        kernel_edge_margin(problem, features, lanes_load(event->edge[number % 2]));
+    const struct lanes margin_before =
+        kernel_edge_margin(problem, features, lanes_load(event->edge[(number + 1) % 2]));
+    step.slip = kernel_crossing(margin_before, margin);
+    step.outside_before = lanes_less(margin_before, zero);
+    step.outside = lanes_less(margin, zero);
+    step.turn = lanes_sub(kernel_crossing(growth_before, growth), lanes_set(0.5));
+    step.loads = lanes_less(step.before, step.deformation);
+    struct lanes_mask loaded = lanes_less(zero, growth_before);
+    if (features.crushed) {
+        const struct lanes reference = lanes_load(event->reference);
+        step.loads = lanes_less(reference, step.deformation);
+        loaded = lanes_and_not(loaded, lanes_less(step.before, reference));
     }
-    if (weight > 0.0) {
-        const struct lanes growth_before = lanes_load(kept->growth);
-        const struct lanes margin = lanes_load(kept->margin);
-        struct kernel_step step;
-        step.deformation = s;
-        step.before = lanes_load(kept->deformation);
-        step.slip = kernel_crossing(margin, place->margin);
-        step.outside_before = lanes_less(margin, zero);
-        step.outside = lanes_less(place->margin, zero);
-        const struct lanes growth = lanes_sub(s, step.before);
-        step.turn = lanes_sub(kernel_crossing(growth_before, growth), lanes_set(0.5));
-        step.loads = lanes_less(reference, s);
-        struct lanes_mask loaded = lanes_less(zero, growth_before);
-        if (features.crushed) {
-            loaded = lanes_and_not(loaded, lanes_less(step.before, reference));
+    step.turned = lanes_and_not(loaded, step.loads);
+    step.again = lanes_and_not(step.loads, loaded);
+    return step;
+}
+
+// Finds what began and ended within the step that ends now and makes it good in the springs'
+// forces. Where spring 0 left the face, `left` is set and `left_at` is the deformation at which it
+// did. Most bundles see nothing of that in most steps, so this is called when one does, and stands
+// by itself: the machine's registers belong to the loop over springs.
+static __attribute__((noinline)) void kernel_find_events(const struct kinematics_problem *problem,
+                                                         struct problem_features features,
+                                                         uint32_t number, double weight,
+                                                         struct kernel_scratch *scratch)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    const struct lanes zero = lanes_set(0.0);
+    const struct lanes inverse = lanes_set(1.0 / weight);
+    struct lanes sum_x = zero;
+    struct lanes sum_y = zero;
+    struct lanes moment = zero;
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const struct problem_spring *spring = &problem->springs[i];
+        struct kernel_spring *kept = &scratch->springs[i];
+        const struct kernel_event *event = &scratch->springs[i].event;
+        const bool unload = features.unload && spring->unload.point_count > 0;
+        const bool other = lanes_any(lanes_differ(event->loads[before], event->loads[now])) ||
+                           (unload && lanes_any(lanes_differ(event->unloads[before], //
+                                                             event->unloads[now])));
+        const bool parted =
+            i == 0 && lanes_any(lanes_and_not(event->contact[before], event->contact[now]));
+        if (!other && !parted) {
+            continue;
         }
-        step.turned = lanes_and_not(loaded, step.loads);
-        step.again = lanes_and_not(step.loads, loaded);
-        const struct lanes inverse = lanes_set(1.0 / weight);
-        const struct lanes_mask acted = lanes_less(zero, lanes_load(kept->loads));
-        kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true, acted, loads,
-                         inverse, x, y);
-        if (features.unload && spring->unload.point_count > 0) {
-            const struct lanes_mask unloaded = lanes_less(zero, lanes_load(kept->unloads));
+        const struct kernel_step step = kernel_step_of(problem, features, number, event);
+        struct lanes x = zero;
+        struct lanes y = zero;
+        kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true,
+                         event->loads[before], event->loads[now], inverse, &x, &y);
+        if (unload) {
             kernel_make_good(problem, &spring->unload, scratch->coefficients, &step, false,
-                             unloaded, unloads, inverse, x, y);
+                             event->unloads[before], event->unloads[now], inverse, &x, &y);
         }
-        if (index == 0) {
-            const struct lanes_mask touched =
-                lanes_and_less(lanes_and_not(step.outside, step.outside_before), zero, step.before);
-            const struct lanes_mask left = lanes_and_not(touched, touches);
-            const struct lanes there = lanes_fma(step.slip, growth, step.before);
-            *contact = lanes_or(touches, left);
-            *deformation = lanes_select(left, there, s);
+        if (features.work) {
+            lanes_store(kept->force_x, lanes_add(lanes_load(kept->force_x), x));
+            lanes_store(kept->force_y, lanes_add(lanes_load(kept->force_y), y));
         }
-        lanes_store(kept->growth, growth);
-    } else {
-        // It came towards the barrier.
-        lanes_store(kept->growth, lanes_set(problem->speed * problem->time_step));
+        sum_x = lanes_add(sum_x, x);
+        sum_y = lanes_add(sum_y, y);
+        moment = lanes_fma(lanes_load(kept->place), y, moment);
+        moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
+        if (parted) {
+            scratch->left =
+                lanes_and_not(lanes_and(event->contact[before], step.outside), event->contact[now]);
+            lanes_store(scratch->left_at,
+                        lanes_fma(step.slip, lanes_sub(step.deformation, step.before), //
+                                  step.before));
+        }
     }
-    lanes_store(kept->deformation, s);
-    lanes_store(kept->margin, place->margin);
-    lanes_store(kept->loads, lanes_keep(loads, lanes_set(1.0)));
+    lanes_store(scratch->made_good[0], sum_x);
+    lanes_store(scratch->made_good[1], sum_y);
+    lanes_store(scratch->made_good[2], moment);
+}
+
+// Remembers of one spring what the next step is held against. Returns where it began or ceased to
+// act within the step that ends now, and for spring 0 where it began or ceased to touch.
+LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features features, uint32_t index,
+                                                 uint32_t number, const struct kernel_place *place,
+                                                 struct lanes reference, struct lanes_mask contact,
+                                                 struct lanes_mask loads, struct lanes_mask unloads,
+                                                 struct kernel_event *event)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    lanes_store(event->edge[now], place->edge);
+    struct lanes_mask other = lanes_differ(event->loads[before], loads);
+    event->loads[now] = loads;
     if (features.unload) {
-        lanes_store(kept->unloads, lanes_keep(unloads, lanes_set(1.0)));
+        other = lanes_or(other, lanes_differ(event->unloads[before], unloads));
+        event->unloads[now] = unloads;
+    }
+    if (features.crushed) {
+        lanes_store(event->reference, reference);
+    }
+    if (index == 0) {
+        other = lanes_or(other, lanes_differ(event->contact[before], contact));
+        event->contact[now] = contact;
+    }
+    return other;
+}
+
+// Makes the first step of a bundle one in which nothing happened: the car came towards the barrier.
+LANES_INLINE void kernel_start_events(const struct kinematics_problem *problem,
+                                      struct kernel_scratch *scratch)
+{
+    const struct lanes way = lanes_set(problem->speed * problem->time_step);
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        struct kernel_event *event = &scratch->springs[i].event;
+        lanes_store(event->deformation[2], lanes_sub(lanes_load(event->deformation[0]), way));
     }
 }
 
 // Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
 // loading from the deformation of the step before. `settled` says that this is a time of the
 // trajectory, not a Runge-Kutta stage on the way: only then is the deformation remembered.
-// `weight` is the part of a step over which the forces act (event Verlet; 0 at time 0).
+// For event Verlet `number` is the step that ends now and `weight` the part of a step over which
+// the forces act, 0 at time 0.
 LANES_INLINE struct kernel_load
 kernel_forces(const struct kinematics_problem *problem, struct problem_features features,
               const struct kernel_motion *at, const struct kernel_pose *pose,
-              const struct kernel_motion *velocity, bool settled, double weight, bool recording,
-              struct kernel_scratch *scratch)
+              const struct kernel_motion *velocity, bool settled, uint32_t number, double weight,
+              bool recording, struct kernel_scratch *scratch)
 {
     const struct lanes zero = lanes_set(0.0);
     struct lanes sum_x = zero;
     struct lanes sum_y = zero;
     struct lanes moment_x = zero;
     struct lanes moment_y = zero;
-    struct lanes felt_x = zero;
-    struct lanes felt_y = zero;
     struct kernel_load load;
     load.contact = lanes_none();
+    struct lanes_mask other = lanes_none();
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         const struct problem_spring *spring = &problem->springs[i];
         struct kernel_spring *kept = &scratch->springs[i];
         const struct kernel_place place = kernel_place(problem, features, spring, at, pose);
         const struct lanes s = lanes_add(lanes_set(spring->reach), place.place);
         const struct lanes_mask contact = lanes_and_less(place.projected, zero, s);
-        const struct lanes reference = lanes_load(kept->reference);
+        const bool ring = features.events && !features.crushed;
+        const struct lanes reference = lanes_load(
+            ring ? scratch->springs[i].event.deformation[(number + 2) % 3] : kept->reference);
         struct lanes_mask loading;
         if (velocity == NULL || features.crushed) {
             loading = lanes_and_less(contact, reference, s);
@@ -461,7 +548,12 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
         }
         if (settled) {
             const struct lanes crushed = lanes_select(contact, lanes_max(reference, s), reference);
-            lanes_store(kept->reference, features.crushed ? crushed : s);
+            if (!ring) {
+                lanes_store(kept->reference, features.crushed ? crushed : s);
+            }
+            if (features.events) {
+                lanes_store(scratch->springs[i].event.deformation[number % 3], s);
+            }
         }
 
         struct lanes_mask acts = loading;
@@ -483,37 +575,51 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
             y = lanes_select(gives, unload_y, y);
         }
 
-        struct lanes_mask first_contact = contact;
-        struct lanes first_deformation = s;
-        if (features.events) {
-            felt_x = lanes_add(felt_x, x);
-            felt_y = lanes_add(felt_y, y);
-            kernel_find_events(problem, features, i, &place, s, reference, contact, acts, gives,
-                               weight, recording, scratch, &x, &y, &first_contact,
-                               &first_deformation);
-        }
         sum_x = lanes_add(sum_x, x);
         sum_y = lanes_add(sum_y, y);
         moment_x = lanes_fma(lanes_set(spring->position_y), x, moment_x);
         moment_y = lanes_fma(place.place, y, moment_y);
-        lanes_store(kept->force_x, x);
-        lanes_store(kept->force_y, y);
-        lanes_store(kept->place, place.place);
+        if (features.work || recording) {
+            lanes_store(kept->force_x, x);
+            lanes_store(kept->force_y, y);
+        }
+        if (features.work || features.events || recording) {
+            lanes_store(kept->place, place.place);
+        }
         if (recording) {
             lanes_store(kept->contact, lanes_keep(contact, lanes_set(1.0)));
         }
         load.contact = lanes_or(load.contact, contact);
+        if (features.events) {
+            other =
+                lanes_or(other, kernel_keep_event(features, i, number, &place, reference, contact,
+                                                  acts, gives, &scratch->springs[i].event));
+            if (recording) {
+                lanes_store(scratch->springs[i].event.force_x, x);
+                lanes_store(scratch->springs[i].event.force_y, y);
+            }
+        }
         if (i == 0) {
-            load.first_contact = first_contact;
-            load.first_deformation = first_deformation;
+            load.first_contact = contact;
+            load.first_deformation = s;
             load.first_projection = place.projection;
         }
     }
-    load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
-    load.y = lanes_fma(pose->sine, sum_x, lanes_mul(pose->cosine, sum_y));
     load.moment = lanes_sub(moment_y, moment_x);
-    load.felt =
-        features.events ? lanes_fms(pose->cosine, felt_x, lanes_mul(pose->sine, felt_y)) : load.x;
+    load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
+    load.felt = load.x;
+    if (features.events && weight > 0.0 && __builtin_expect(lanes_any(other), false)) {
+        scratch->left = lanes_none();
+        kernel_find_events(problem, features, number, weight, scratch);
+        load.first_deformation =
+            lanes_select(scratch->left, lanes_load(scratch->left_at), load.first_deformation);
+        load.first_contact = lanes_or(load.first_contact, scratch->left);
+        sum_x = lanes_add(sum_x, lanes_load(scratch->made_good[0]));
+        sum_y = lanes_add(sum_y, lanes_load(scratch->made_good[1]));
+        load.moment = lanes_add(load.moment, lanes_load(scratch->made_good[2]));
+        load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
+    }
+    load.y = lanes_fma(pose->sine, sum_x, lanes_mul(pose->cosine, sum_y));
     return load;
 }
 
@@ -573,7 +679,7 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem,
         const double deformation = spring->reach + kept->place[0];
         column[KINEMATICS_SPRING_LENGTH] = spring->length - deformation;
         column[KINEMATICS_SPRING_DEFORMATION] = deformation;
-        const struct kernel_event *event = &scratch->events[i];
+        const struct kernel_event *event = &scratch->springs[i].event;
         const double force_x = features.events ? event->force_x[0] : kept->force_x[0];
         const double force_y = features.events ? event->force_y[0] : kept->force_y[0];
         column[KINEMATICS_SPRING_FORCE_X] = acting > 0.0 ? force_x : 0.0;
@@ -603,8 +709,11 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         const bool last = step == problem->step_count;
         const double weight = step == 0 ? start_weight : last ? 0.5 : 1.0;
         *pose = kernel_pose(at);
-        load = kernel_forces(problem, features, at, pose, NULL, true, step == 0 ? 0.0 : weight,
-                             rows != NULL, scratch);
+        load = kernel_forces(problem, features, at, pose, NULL, true, step,
+                             step == 0 ? 0.0 : weight, rows != NULL, scratch);
+        if (features.events && step == 0) {
+            kernel_start_events(problem, scratch);
+        }
         if (weight > 0.0) {
             kernel_observe(pose, &load, observed);
         }
@@ -612,15 +721,17 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         way.x = lanes_fma(load.x, lanes_set(weight * kick), way.x);
         way.y = lanes_fma(load.y, lanes_set(weight * kick), way.y);
         way.yaw = lanes_fma(load.moment, lanes_set(weight * kick_yaw), way.yaw);
-        struct kernel_motion twice = {lanes_add(before.x, way.x), lanes_add(before.y, way.y),
-                                      lanes_add(before.yaw, way.yaw)};
-        if (weight < 1.0) {
-            const struct lanes part = lanes_set(weight);
-            twice.x = lanes_mul(part, twice.x);
-            twice.y = lanes_mul(part, twice.y);
-            twice.yaw = lanes_mul(part, twice.yaw);
+        if (features.work) {
+            struct kernel_motion twice = {lanes_add(before.x, way.x), lanes_add(before.y, way.y),
+                                          lanes_add(before.yaw, way.yaw)};
+            if (weight < 1.0) {
+                const struct lanes part = lanes_set(weight);
+                twice.x = lanes_mul(part, twice.x);
+                twice.y = lanes_mul(part, twice.y);
+                twice.yaw = lanes_mul(part, twice.yaw);
+            }
+            kernel_work(problem, pose, &twice, scratch);
         }
-        kernel_work(problem, pose, &twice, scratch);
         if (rows != NULL || last) {
             // At the ends the way after or before the kick is the velocity there; in between the
             // mean of the two.
@@ -674,8 +785,8 @@ kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_feat
     const double dt = problem->time_step;
     for (uint32_t step = 0;; step++) {
         *pose = kernel_pose(at);
-        const struct kernel_load load =
-            kernel_forces(problem, features, at, pose, velocity, true, 1.0, rows != NULL, scratch);
+        const struct kernel_load load = kernel_forces(problem, features, at, pose, velocity, true,
+                                                      0, 1.0, rows != NULL, scratch);
         kernel_observe(pose, &load, observed);
         if (rows != NULL) {
             kernel_record(problem, features, step, at, velocity, 1.0, scratch, rows);
@@ -688,15 +799,19 @@ kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_feat
         struct kernel_motion acceleration = kernel_acceleration(problem, &load);
         struct kernel_motion way = kernel_advance(&none, share[0] * dt, &rate);
         struct kernel_motion gain = kernel_advance(&none, share[0] * dt, &acceleration);
-        kernel_work(problem, pose, &way, scratch);
+        if (features.work) {
+            kernel_work(problem, pose, &way, scratch);
+        }
         for (int stage = 1; stage < 4; stage++) {
             const struct kernel_motion there = kernel_advance(at, reach[stage] * dt, &rate);
             rate = kernel_advance(velocity, reach[stage] * dt, &acceleration);
             const struct kernel_pose stage_pose = kernel_pose(&there);
             const struct kernel_load stage_load = kernel_forces(
-                problem, features, &there, &stage_pose, &rate, false, 1.0, false, scratch);
+                problem, features, &there, &stage_pose, &rate, false, 0, 1.0, false, scratch);
             const struct kernel_motion stage_way = kernel_advance(&none, share[stage] * dt, &rate);
-            kernel_work(problem, &stage_pose, &stage_way, scratch);
+            if (features.work) {
+                kernel_work(problem, &stage_pose, &stage_way, scratch);
+            }
             acceleration = kernel_acceleration(problem, &stage_load);
             way = kernel_advance(&way, share[stage] * dt, &rate);
             gain = kernel_advance(&gain, share[stage] * dt, &acceleration);
@@ -784,6 +899,9 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         // The vehicle comes towards the barrier, so at time 0 every spring loads.
         lanes_store(scratch->springs[i].reference, lanes_set(-INFINITY));
+        if (features.events) {
+            lanes_store(scratch->springs[i].event.deformation[2], lanes_set(-INFINITY));
+        }
         lanes_store(scratch->springs[i].work, zero);
     }
     struct kernel_motion at = {lanes_set(problem->start_x), lanes_set(problem->start_y), zero};
@@ -798,34 +916,38 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
                    runge_kutta ? 1.0 : 0.5, count, results, stride);
 }
 
-// All designs, bundle by bundle. What most problems lack is left out of the first variant, which is
-// the fast one; the arithmetic that both do is the same.
+// All designs, bundle by bundle. What most problems lack is left out of the variants for flat
+// barriers without unload branches, which are the fast ones; the arithmetic that all do is the
+// same.
 LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint32_t count,
                                   const double *values, double *results, size_t stride,
                                   double *rows)
 {
     const struct problem_features features = problem->features;
-    const struct problem_features none = {false, false, false, false, false};
-    const struct problem_features events = {.events = true};
+    const struct problem_features none = {.work = features.work};
+    const struct problem_features late = {.work = features.work, .late_start = true};
+    const struct problem_features events = {.work = features.work, .events = true};
+    const struct problem_features both = {
+        .work = features.work, .events = true, .late_start = true};
     const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
-    const bool plain =
-        !features.rounded && !features.unload && !features.late_start && !features.crushed;
+    const bool plain = !features.rounded && !features.unload && !features.crushed;
     struct kernel_scratch scratch;
     for (uint32_t first = 0; first < count; first += LANES) {
         const uint32_t left = count - first;
+#define BUNDLE(these_features)                                                                   \
+    kernel_bundle(problem, these_features, false, left, values + first, results + first, stride, \
+                  rows, &scratch)
         if (runge_kutta) {
             kernel_bundle(problem, features, true, left, values + first, results + first, stride,
                           rows, &scratch);
-        } else if (plain && features.events) {
-            kernel_bundle(problem, events, false, left, values + first, results + first, stride,
-                          rows, &scratch);
-        } else if (plain) {
-            kernel_bundle(problem, none, false, left, values + first, results + first, stride, rows,
-                          &scratch);
+        } else if (!plain) {
+            BUNDLE(features);
+        } else if (features.events) {
+            features.late_start ? BUNDLE(both) : BUNDLE(events);
         } else {
-            kernel_bundle(problem, features, false, left, values + first, results + first, stride,
-                          rows, &scratch);
+            features.late_start ? BUNDLE(late) : BUNDLE(none);
         }
+#undef BUNDLE
     }
 }
 

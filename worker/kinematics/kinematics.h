@@ -81,6 +81,9 @@ struct kinematics_setup {
     double time_step;                        // [s] > 0, <= duration
     enum kinematics_integrator integrator;
     enum kinematics_reloading reloading;
+    // Leaves the springs' work out, which is 0 then. It moves nothing, so no other result changes;
+    // it takes a quarter of the time.
+    bool without_work;
 };
 
 // What one design did. "The end" is the last of round(duration / time_step) steps. All of a
@@ -102,7 +105,8 @@ enum kinematics_result {
     KINEMATICS_ACCELERATION_MEAN, // [m/s2] mean in x over the steps with a spring in contact, else
                                   // 0
     KINEMATICS_KINETIC_ENERGY,    // [J] at the end
-    KINEMATICS_WORK, // [J] of spring 0: what it took from the vehicle; spring i follows
+    KINEMATICS_WORK, // [J] of spring 0: what it took from the vehicle; spring i follows. 0 where
+                     // the setup says without_work
 };
 
 struct kinematics_problem;

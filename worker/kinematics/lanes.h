@@ -50,6 +50,7 @@ enum { LANES_VECTOR = 8 };
 #define VECTOR_AND(m, n) _kand_mask8(m, n)
 #define VECTOR_AND_NOT(m, n) _kandn_mask8(n, m)
 #define VECTOR_OR(m, n) _kor_mask8(m, n)
+#define VECTOR_DIFFER(m, n) _kxor_mask8(m, n)
 #define VECTOR_ANY(m) ((m) != 0)
 
 #elif defined(LANES_PATH_AVX2)
@@ -85,6 +86,7 @@ enum { LANES_VECTOR = 4 };
 #define VECTOR_AND(m, n) _mm256_and_pd(m, n)
 #define VECTOR_AND_NOT(m, n) _mm256_andnot_pd(n, m)
 #define VECTOR_OR(m, n) _mm256_or_pd(m, n)
+#define VECTOR_DIFFER(m, n) _mm256_xor_pd(m, n)
 #define VECTOR_ANY(m) (_mm256_movemask_pd(m) != 0)
 
 #elif defined(LANES_PATH_PLAIN)
@@ -125,6 +127,7 @@ LANES_INLINE bool vector_bit(double a, int bit)
 #define VECTOR_AND(m, n) ((m) & (n))
 #define VECTOR_AND_NOT(m, n) ((m) & !(n))
 #define VECTOR_OR(m, n) ((m) | (n))
+#define VECTOR_DIFFER(m, n) ((m) != (n))
 #define VECTOR_ANY(m) (m)
 
 #else
@@ -306,6 +309,14 @@ LANES_INLINE struct lanes_mask lanes_and_not(struct lanes_mask m, struct lanes_m
 LANES_INLINE struct lanes_mask lanes_or(struct lanes_mask m, struct lanes_mask n)
 {
 #define EACH(k) VECTOR_OR(m.v[k], n.v[k])
+    return (struct lanes_mask)LANES_EACH(EACH);
+#undef EACH
+}
+
+// m or n and not both.
+LANES_INLINE struct lanes_mask lanes_differ(struct lanes_mask m, struct lanes_mask n)
+{
+#define EACH(k) VECTOR_DIFFER(m.v[k], n.v[k])
     return (struct lanes_mask)LANES_EACH(EACH);
 #undef EACH
 }

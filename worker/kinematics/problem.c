@@ -87,6 +87,7 @@ struct kinematics_problem *kinematics_create(const struct kinematics_setup *setu
     problem->integrator = setup->integrator;
     problem->features.rounded = setup->profile == KINEMATICS_PROFILE_ROUNDED;
     problem->features.crushed = setup->reloading == KINEMATICS_RELOADING_CRUSHED;
+    problem->features.work = !setup->without_work;
     problem->features.events = setup->integrator == KINEMATICS_EVENT_VERLET;
     for (uint32_t i = 0; i < setup->spring_count; i++) {
         problem_add_spring(problem, &setup->springs[i]);

@@ -37,6 +37,7 @@ struct problem_features {
     bool late_start; // some curve starts above deformation 0
     bool crushed;    // reloading is KINEMATICS_RELOADING_CRUSHED
     bool events;     // integrator is KINEMATICS_EVENT_VERLET
+    bool work;       // the springs' work is wanted
 };
 
 struct kinematics_problem {
