@@ -6,6 +6,7 @@
 
 #include <assert.h>
 #include <glib.h>
+#include <stdbool.h>
 
 // One function of the design: the crash model, or a formula. The other one is NULL.
 struct part {
@@ -25,11 +26,28 @@ struct model {
 
 // ---- Parts ----
 
-static void part_init(struct part *part, const struct scenario *scenario)
+// Whether some constraint of the whole scenario bounds an energy that a spring of this part
+// absorbs. The part's outcomes begin at `first`.
+static bool part_energy_bounded(const struct scenario *whole, const struct scenario *scenario,
+                                uint32_t first)
+{
+    const uint32_t energy = first + OUTCOME_ENERGY_ABSORBED;
+    for (uint32_t i = 0; i < whole->constraint_count; i++) {
+        const uint32_t outcome = whole->constraints[i].outcome;
+        if (outcome >= energy && outcome < energy + scenario->spring_count) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void part_init(struct part *part, const struct scenario *whole,
+                      const struct scenario *scenario, uint32_t first)
 {
     *part = (struct part){.overlap = scenario->barrier.overlap};
     if (scenario->model == SCENARIO_MODEL_SMALL_OVERLAP) {
-        part->problem = small_overlap_problem(scenario, NULL);
+        part->problem =
+            small_overlap_problem(scenario, NULL, part_energy_bounded(whole, scenario, first));
         part->variable_count = kinematics_value_count(part->problem);
         part->outcome_count = kinematics_result_count(part->problem);
     } else {
@@ -66,7 +84,8 @@ struct model *model_create(const struct scenario *scenario)
     };
     model->parts = g_new(struct part, model->part_count);
     for (uint32_t i = 0; i < model->part_count; i++) {
-        part_init(&model->parts[i], scenario->case_count > 0 ? &scenario->cases[i] : scenario);
+        part_init(&model->parts[i], scenario,
+                  scenario->case_count > 0 ? &scenario->cases[i] : scenario, model->outcome_count);
         model->outcome_count += model->parts[i].outcome_count;
     }
     model->variable_count = model->parts[0].variable_count;

@@ -53,7 +53,7 @@ static struct kinematics_spring small_overlap_spring(const struct scenario_sprin
 }
 
 struct kinematics_problem *small_overlap_problem(const struct scenario *scenario,
-                                                 const struct design *design)
+                                                 const struct design *design, bool energies)
 {
     struct kinematics_spring springs[KINEMATICS_SPRING_MAX];
     _Static_assert((int)SCENARIO_SPRING_MAX <= (int)KINEMATICS_SPRING_MAX,
@@ -85,6 +85,7 @@ struct kinematics_problem *small_overlap_problem(const struct scenario *scenario
         .reloading = scenario->simulation.reloading == SCENARIO_RELOADING_CRUSHED
                          ? KINEMATICS_RELOADING_CRUSHED
                          : KINEMATICS_RELOADING_THESIS,
+        .without_work = !energies,
     };
     return kinematics_create(&setup);
 }
