@@ -91,6 +91,50 @@ uint32_t batch_violated(const struct scenario *scenario, const double *outcomes,
     return count;
 }
 
+// NaN where a sample has an outcome that is not finite, else 0.
+static void sum_nothing(const double *outcomes, uint32_t outcome_count, uint32_t count,
+                        double *nothing)
+{
+    for (uint32_t i = 0; i < count; i++)
+        nothing[i] = 0;
+    for (uint32_t outcome = 0; outcome < outcome_count; outcome++) {
+        const double *row = outcomes + (size_t)outcome * MODEL_BLOCK;
+        for (uint32_t i = 0; i < count; i++)
+            nothing[i] += row[i] - row[i];
+    }
+}
+
+// batch_verdict() of a whole block, outcome by outcome as they stand in memory. Returns how many
+// samples had a non-finite outcome.
+static uint32_t judge_block(const struct scenario *scenario, uint32_t outcome_count,
+                            const double *outcomes, uint32_t count, struct verdict *verdicts)
+{
+    for (uint32_t i = 0; i < count; i++)
+        verdicts[i] = (struct verdict){.violation = VERDICT_GOOD};
+    for (uint32_t c = 0; c < scenario->constraint_count; c++) {
+        const struct scenario_constraint *constraint = &scenario->constraints[c];
+        const double *row = outcomes + (size_t)constraint->outcome * MODEL_BLOCK;
+        for (uint32_t i = 0; i < count; i++) {
+            double relative = constraint_relative(constraint, row[i]);
+            if (relative <= 0)
+                continue;
+            uint16_t violation = verdict_violation(relative);
+            if (violation > verdicts[i].violation)
+                verdicts[i] = (struct verdict){.violation = violation, .constraint = (uint8_t)c};
+        }
+    }
+    double nothing[MODEL_BLOCK];
+    sum_nothing(outcomes, outcome_count, count, nothing);
+    uint32_t non_finite = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (nothing[i] == 0)
+            continue;
+        verdicts[i] = batch_verdict(scenario, outcomes + i, MODEL_BLOCK);
+        non_finite++;
+    }
+    return non_finite;
+}
+
 // Samples first .. first + count - 1 of the step; returns how many had a non-finite outcome.
 static uint32_t evaluate_block(const struct scenario *scenario, const struct model *model,
                                const struct box *box, const struct sampling *sampling,
@@ -99,12 +143,7 @@ static uint32_t evaluate_block(const struct scenario *scenario, const struct mod
 {
     sampling_fill(sampling, box, first, count, scratch->values, MODEL_BLOCK);
     model_evaluate(model, count, scratch->values, scratch->outcomes);
-    uint32_t non_finite = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        verdicts[i] = batch_verdict(scenario, scratch->outcomes + i, MODEL_BLOCK);
-        non_finite += verdicts[i].violation == VERDICT_NON_FINITE;
-    }
-    return non_finite;
+    return judge_block(scenario, model_outcome_count(model), scratch->outcomes, count, verdicts);
 }
 
 uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model *model,
