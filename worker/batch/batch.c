@@ -142,7 +142,7 @@ static uint32_t evaluate_block(const struct scenario *scenario, const struct mod
                                struct verdict *verdicts)
 {
     sampling_fill(sampling, box, first, count, scratch->values, MODEL_BLOCK);
-    model_evaluate(model, count, scratch->values, scratch->outcomes);
+    model_evaluate_judged(model, count, scratch->values, scratch->outcomes);
     return judge_block(scenario, model_outcome_count(model), scratch->outcomes, count, verdicts);
 }
 

@@ -27,7 +27,7 @@ static const char fingerprint_scenario[] =
     "    force_y: {lower: -50e3, upper: 50e3}\n"
     "response: rotating\n"
     "firewall_distance: 0.25\n"
-    "constraints: {yaw_deg: {min: -20, max: 20}, energy_absorbed.front: {max: 500e3}}\n";
+    "constraints: {yaw_deg: {min: -20, max: 20}}\n";
 
 // Those that searches use; they have kernels of their own.
 static const char *const fingerprint_integrators[] = {

@@ -11,7 +11,8 @@
 // One function of the design: the crash model, or a formula. The other one is NULL.
 struct part {
     struct kinematics_problem *problem;
-    double overlap; // [m]
+    struct kinematics_problem *judged; // without energies where none is bounded
+    double overlap;                    // [m]
     struct closed_form *form;
     uint32_t variable_count; // the same in all parts
     uint32_t outcome_count;
@@ -46,7 +47,8 @@ static void part_init(struct part *part, const struct scenario *whole,
 {
     *part = (struct part){.overlap = scenario->barrier.overlap};
     if (scenario->model == SCENARIO_MODEL_SMALL_OVERLAP) {
-        part->problem =
+        part->problem = small_overlap_problem(scenario, NULL, true);
+        part->judged =
             small_overlap_problem(scenario, NULL, part_energy_bounded(whole, scenario, first));
         part->variable_count = kinematics_value_count(part->problem);
         part->outcome_count = kinematics_result_count(part->problem);
@@ -59,18 +61,20 @@ static void part_init(struct part *part, const struct scenario *whole,
 
 static void part_fini(struct part *part)
 {
+    kinematics_free(part->judged);
     kinematics_free(part->problem);
     closed_form_free(part->form);
 }
 
-static void part_evaluate(const struct part *part, uint32_t count, const double *values,
-                          double *outcomes)
+static void part_evaluate(const struct part *part, bool judged, uint32_t count,
+                          const double *values, double *outcomes)
 {
     if (part->form != NULL) {
         closed_form_evaluate(part->form, count, values, outcomes);
         return;
     }
-    kinematics_evaluate(part->problem, count, values, outcomes, MODEL_BLOCK);
+    kinematics_evaluate(judged ? part->judged : part->problem, count, values, outcomes,
+                        MODEL_BLOCK);
     small_overlap_outcomes(part->overlap, count, outcomes, MODEL_BLOCK);
 }
 
@@ -114,12 +118,24 @@ uint32_t model_outcome_count(const struct model *model)
     return model->outcome_count;
 }
 
-void model_evaluate(const struct model *model, uint32_t count, const double *values,
-                    double *outcomes)
+static void evaluate_parts(const struct model *model, bool judged, uint32_t count,
+                           const double *values, double *outcomes)
 {
     assert(count >= 1 && count <= MODEL_BLOCK);
     for (uint32_t i = 0; i < model->part_count; i++) {
-        part_evaluate(&model->parts[i], count, values, outcomes);
+        part_evaluate(&model->parts[i], judged, count, values, outcomes);
         outcomes += (size_t)model->parts[i].outcome_count * MODEL_BLOCK;
     }
+}
+
+void model_evaluate(const struct model *model, uint32_t count, const double *values,
+                    double *outcomes)
+{
+    evaluate_parts(model, false, count, values, outcomes);
+}
+
+void model_evaluate_judged(const struct model *model, uint32_t count, const double *values,
+                           double *outcomes)
+{
+    evaluate_parts(model, true, count, values, outcomes);
 }
