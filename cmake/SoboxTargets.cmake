@@ -7,13 +7,19 @@ function(sobox_library name)
   target_link_libraries(sobox_${name} PUBLIC ${arg_LINKS} PRIVATE sobox_options)
 endfunction()
 
-# A program: sobox_program(sobox-worker main.c LINKS ...). All programs land in build/bin.
+# A program: sobox_program(sobox-worker main.c LINKS ...). All programs land in build/bin. Those that a
+# machine needs to help others are packaged apart from those of who wants to know something.
+set(SOBOX_NODE_PROGRAMS sobox-worker sobox-hub)
 function(sobox_program name source)
   cmake_parse_arguments(arg "" "" "LINKS" ${ARGN})
   add_executable(${name} ${source})
   target_link_libraries(${name} PRIVATE ${arg_LINKS} sobox_options)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
-  install(TARGETS ${name} RUNTIME)
+  set(component main)
+  if(name IN_LIST SOBOX_NODE_PROGRAMS)
+    set(component node)
+  endif()
+  install(TARGETS ${name} RUNTIME COMPONENT ${component})
 endfunction()
 
 # One test program for each *_test.c of tests/unit/FOLDER, linked with the library it mirrors:
