@@ -68,12 +68,14 @@ static void print_estimate(const struct plan *plan, const struct measurement *me
     const double sample_s =
         (double)measurement->spent_ns / CLOCK_SECOND_NS / (double)measurement->samples;
     const double total_s = sample_s * (double)plan->samples + STEP_S * (double)plan->steps;
-    char duration[32];
+    char duration[32], about[48] = "less than a second";
+    if (total_s / threads >= 1)
+        snprintf(about, sizeof about, "about %s", progress_duration(total_s / threads, duration));
     fprintf(out,
-            "\n%" PRIu32 " searches of %" PRIu64 " designs in all, %.2f us each with their part of "
-            "the search:\nabout %s on %d core%s of this machine\n",
-            plan->searches, plan->samples, sample_s * 1e6,
-            progress_duration(total_s / threads, duration), threads, threads == 1 ? "" : "s");
+            "\n%" PRIu32 " search%s of %" PRIu64 " designs in all, %.2f us each with their part of "
+            "the search:\n%s on %d core%s of this machine\n",
+            plan->searches, plan->searches == 1 ? "" : "es", plan->samples, sample_s * 1e6, about,
+            threads, threads == 1 ? "" : "s");
 }
 
 // Whether the case is one of the few to be tried.

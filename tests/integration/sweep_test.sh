@@ -123,7 +123,7 @@ mass=1500,seed=2
 mass=1650,seed=1
 mass=1650,seed=2" 'the cases'
     expect_said out '4 searches of 20800 designs in all'
-    expect_said out 'about [0-9.]+ (s|min) on [0-9]+ core'
+    expect_said out '^(about [0-9.]+ (s|min)|less than a second) on [0-9]+ core'
     expect_no runs
 }
 
@@ -181,6 +181,25 @@ mistakes_in_a_sweep_are_told_with_their_place()
     run 2 sobox-coordinator sweep.yaml
     expect_said err 'at most 100000 cases'
     expect_no runs
+}
+
+# The journal holds the scenarios of the cases: what is written into the sweep's file or its base later
+# changes nothing, and giving the file again is refused, as it would look as if it did.
+sweep_changed_since_goes_on_as_it_was_begun()
+{
+    cp "$scenario" base.yaml
+    _write_sweep 2
+    sed -i 's|^base: .*|base: base.yaml|' sweep.yaml
+    run 0 sobox-coordinator sweep.yaml --out calm
+    run 0 sobox-coordinator sweep.yaml --out run --stop-after 1
+    sed -i 's/1650/1800/' sweep.yaml
+    sed -i 's/0.25/0.30/' base.yaml
+    run 2 sobox-coordinator sweep.yaml --resume run
+    expect_said err '--resume continues a run as it was begun: it goes without a scenario'
+    run 2 sobox-coordinator sweep.yaml --out run
+    expect_said err 'run: the run folder is not empty'
+    run 0 sobox-coordinator --resume run
+    _expect_same_sweep calm run
 }
 
 sweep_options_want_a_sweep()
