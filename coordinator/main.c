@@ -3,6 +3,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/identity.h"
@@ -270,32 +271,26 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show the result and errors only",
          NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Show every decision", NULL},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new("SCENARIO.yaml");
-    g_option_context_set_summary(context, program_summary);
-    g_option_context_set_description(context, program_description);
-    g_option_context_add_main_entries(context, entries, NULL);
-    GError *reason = NULL;
-    enum status status = STATUS_OK;
-    if (!g_option_context_parse(context, &argc, &argv, &reason)) {
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", reason->message);
-        g_error_free(reason);
-    } else if (argc > 2) {
-        status = error_set(error, STATUS_INVALID, "%s: one scenario is expected, this is a second",
-                           argv[2]);
-    }
-    g_option_context_free(context);
-    if (argc > 1)
-        options->scenario = g_strdup(argv[1]);
-    if (status == STATUS_OK && !options->version)
-        status = check_ranges(options, error);
-    if (status == STATUS_OK && !options->version)
+    const struct options_program program = {
+        .argument = "SCENARIO.yaml",
+        .summary = program_summary,
+        .description = program_description,
+        .entries = entries,
+    };
+    struct options_common common;
+    enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
+    options->scenario = common.argument;
+    if (status != STATUS_OK || options->version)
+        return status;
+    status = check_ranges(options, error);
+    if (status == STATUS_OK)
         status = check_choice(options, error);
-    if (status == STATUS_OK && !options->version)
+    if (status == STATUS_OK)
         status = check_evaluate(options, error);
-    if (status == STATUS_OK && !options->version)
+    if (status == STATUS_OK)
         status = check_together(options, error);
     return status;
 }
@@ -587,9 +582,7 @@ int main(int argc, char **argv)
     if (status == STATUS_OK && options.version) {
         printf("sobox-coordinator %s\n", SOBOX_VERSION);
     } else if (status == STATUS_OK) {
-        log_start("sobox-coordinator", options.quiet     ? LOG_QUIET
-                                       : options.verbose ? LOG_DEBUG
-                                                         : LOG_NORMAL);
+        log_start("sobox-coordinator", options_log_level(options.quiet, options.verbose));
         if (sodium_init() < 0)
             exit_code =
                 (int)status_exit(error_set(&error, STATUS_FAILED, "libsodium cannot start"));

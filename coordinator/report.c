@@ -2,6 +2,7 @@
 
 #include "coordinator/report/report.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 
 #include <glib.h>
@@ -183,24 +184,18 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Number of the first curve that --export writes for a solver (default: 1)", "N"},
         {"search", 's', 0, G_OPTION_ARG_INT, &options->search,
          "Draw, export or check this search of a sweep (default: 0)", "N"},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version", NULL},
         G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new("DIR");
-    g_option_context_set_summary(context, program_summary);
-    g_option_context_set_description(context, program_description);
-    g_option_context_add_main_entries(context, entries, NULL);
-    GError *failure = NULL;
-    enum status status = STATUS_OK;
-    if (!g_option_context_parse(context, &argc, &argv, &failure)) {
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", failure->message);
-        g_error_free(failure);
-    } else if (argc > 2) {
-        status = error_set(error, STATUS_INVALID, "%s: expected one run folder", argv[2]);
-    } else if (argc == 2) {
-        options->directory = g_strdup(argv[1]);
-    }
-    g_option_context_free(context);
+    const struct options_program program = {
+        .argument = "DIR",
+        .summary = program_summary,
+        .description = program_description,
+        .entries = entries,
+    };
+    struct options_common common;
+    const enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
+    options->directory = common.argument;
     return status;
 }
 

@@ -2,6 +2,7 @@
 // protocol of LCM's tcpq:// clients, so LCM's own tools can listen too.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/wire/key.h"
 #include "common/wire/wire.h"
@@ -28,33 +29,14 @@ struct options {
     gboolean version;
 };
 
-static const struct number_option {
-    const char *name;
-    size_t offset; // of a long in struct options
-    long min, max;
-} number_options[] = {
+static const struct options_number number_options[] = {
     {"--clients", offsetof(struct options, clients), 1, 100000},
     {"--queue", offsetof(struct options, queue), WIRE_MTU_MAX, 1 << 30},
     {"--message", offsetof(struct options, message), WIRE_MTU_MAX, 1 << 28},
+    {0},
 };
 
-static gboolean read_number(const char *name, const char *value, gpointer options, GError **error)
-{
-    const struct number_option *option = number_options;
-    while (strcmp(option->name, name) != 0)
-        option++;
-    gint64 number;
-    if (!g_ascii_string_to_signed(value, 10, option->min, option->max, &number, NULL)) {
-        g_set_error(error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE,
-                    "%s: expected a whole number from %ld to %ld, found '%s'", name, option->min,
-                    option->max, value);
-        return FALSE;
-    }
-    *(long *)((char *)options + option->offset) = (long)number;
-    return TRUE;
-}
-
-static GOptionContext *options_context(struct options *options)
+static enum status read_options(struct options *options, int argc, char **argv, struct error *error)
 {
     const GOptionEntry entries[] = {
         {"listen", 'l', 0, G_OPTION_ARG_STRING, &options->listen,
@@ -62,42 +44,29 @@ static GOptionContext *options_context(struct options *options)
          "ADDRESS:PORT"},
         {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
          "Pass on only messages sealed with the key in this file", "FILE"},
-        {"clients", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"clients", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "Most clients at once (default: 1024)", "N"},
-        {"queue", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"queue", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "What waits for a slow client at most, 60000 or more bytes (default: 4194304)", "BYTES"},
-        {"message", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"message", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "Greatest message passed on, 60000 or more bytes (default: 1048576)", "BYTES"},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Print who comes and goes", NULL},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version", NULL},
-        {0},
+        G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new(NULL);
-    GOptionGroup *group = g_option_group_new("main", "", "", options, NULL);
-    g_option_group_add_entries(group, entries);
-    g_option_context_set_main_group(context, group);
-    g_option_context_set_summary(
-        context,
-        "Passes LCM's messages on between programs that reach it over TCP, where there is no\n"
-        "multicast. They are given --url tcpq://ADDRESS:PORT, the address in numbers.");
-    g_option_context_set_description(context,
-                                     "SIGUSR1 has it say what it has passed on.\n"
-                                     "Exit status: 0 stopped; 1 failed while running; 2 usage.");
-    return context;
-}
-
-static enum status read_options(struct options *options, int argc, char **argv, struct error *error)
-{
-    enum status status = STATUS_OK;
-    GOptionContext *context = options_context(options);
-    g_autoptr(GError) problem = NULL;
-    if (!g_option_context_parse(context, &argc, &argv, &problem))
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", problem->message);
-    else if (argc > 1)
-        status = error_set(error, STATUS_INVALID,
-                           "unexpected '%s': expected options only (see --help)", argv[1]);
-    g_option_context_free(context);
+    const struct options_program program = {
+        .summary = "Passes LCM's messages on between programs that reach it over TCP, where there "
+                   "is no\n"
+                   "multicast. They are given --url tcpq://ADDRESS:PORT, the address in numbers.",
+        .description = "SIGUSR1 has it say what it has passed on.\n"
+                       "Exit status: 0 stopped; 1 failed while running; 2 usage.",
+        .entries = entries,
+        .numbers = number_options,
+        .options = options,
+    };
+    struct options_common common;
+    const enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
     return status;
 }
 
@@ -222,9 +191,7 @@ int main(int argc, char **argv)
     if (status == STATUS_OK && options.version) {
         printf("sobox-hub %s\n", SOBOX_VERSION);
     } else if (status == STATUS_OK) {
-        log_start("sobox-hub", options.quiet     ? LOG_QUIET
-                               : options.verbose ? LOG_DEBUG
-                                                 : LOG_NORMAL);
+        log_start("sobox-hub", options_log_level(options.quiet, options.verbose));
         status = run(&options, &error);
     }
     if (status != STATUS_OK)

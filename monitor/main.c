@@ -4,6 +4,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "monitor/feed/feed.h"
 #include "monitor/http/http.h"
@@ -80,26 +81,21 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"json", 'j', 0, G_OPTION_ARG_NONE, &options->json, "One JSON object a second", NULL},
         {"plain", 'p', 0, G_OPTION_ARG_NONE, &options->plain, "Lines, also on a terminal", NULL},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print nothing but errors", NULL},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new(NULL);
-    g_option_context_set_summary(context, program_summary);
-    g_option_context_set_description(context, program_description);
-    g_option_context_add_main_entries(context, entries, NULL);
-    GError *reason = NULL;
-    enum status status = STATUS_OK;
-    if (!g_option_context_parse(context, &argc, &argv, &reason)) {
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", reason->message);
-        g_error_free(reason);
-    } else if (argc > 1) {
-        status = error_set(error, STATUS_INVALID, "%s: no argument is expected", argv[1]);
-    } else if (options->from != NULL && (options->url != NULL || options->key_file != NULL)) {
+    const struct options_program program = {
+        .summary = program_summary,
+        .description = program_description,
+        .entries = entries,
+    };
+    struct options_common common;
+    enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
+    if (status == STATUS_OK && options->from != NULL &&
+        (options->url != NULL || options->key_file != NULL))
         status = error_set(error, STATUS_INVALID,
                            "--from: a run folder is no network: expected it without --url and "
                            "--key-file");
-    }
-    g_option_context_free(context);
     if (options->url == NULL) {
         const char *url = g_getenv("SOBOX_URL");
         options->url = g_strdup(url ? url : "udpm://239.255.76.67:7667?ttl=1");

@@ -3,6 +3,7 @@
 // worker/reduction; here are options and files.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
@@ -46,16 +47,14 @@ struct options {
 
 // ---- Options ----
 
-static enum status options_check(const struct options *options, int argc, struct error *error)
+static enum status options_check(const struct options *options, struct error *error)
 {
     if (options->version) {
         return STATUS_OK;
     }
-    if (argc != 2) {
+    if (options->scenario == NULL) {
         return error_set(error, STATUS_INVALID,
-                         "expected one scenario: sobox-barrier-forces SCENARIO.yaml (see --help), "
-                         "found %d",
-                         argc - 1);
+                         "no scenario: expected sobox-barrier-forces SCENARIO.yaml (see --help)");
     }
     const char *missing = options->forces == NULL   ? "--forces FORCES.csv"
                           : options->motion == NULL ? "--motion MOTION.csv"
@@ -80,23 +79,19 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
          "Override a key of the scenario, for instance springs.0.height=0.4; may be repeated",
          "KEY.PATH=VALUE"},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new("SCENARIO.yaml");
-    g_option_context_set_summary(context, program_summary);
-    g_option_context_set_description(context, program_description);
-    g_option_context_add_main_entries(context, entries, NULL);
-    g_autoptr(GError) reason = NULL;
-    enum status status = STATUS_OK;
-    if (!g_option_context_parse(context, &argc, &argv, &reason)) {
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", reason->message);
-    } else {
-        status = options_check(options, argc, error);
-        options->scenario = g_strdup(argc == 2 ? argv[1] : NULL);
-    }
-    g_option_context_free(context);
-    return status;
+    const struct options_program program = {
+        .argument = "SCENARIO.yaml",
+        .summary = program_summary,
+        .description = program_description,
+        .entries = entries,
+    };
+    struct options_common common;
+    const enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
+    options->scenario = common.argument;
+    return status == STATUS_OK ? options_check(options, error) : status;
 }
 
 static void options_fini(struct options *options)

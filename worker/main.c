@@ -2,6 +2,7 @@
 // go while a coordinator runs.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/digest.h"
@@ -39,39 +40,15 @@ struct options {
     gboolean version;
 };
 
-// The options that are numbers, with their ranges.
-struct number_option {
-    const char *name;
-    size_t offset; // of a long in struct options
-    long min;
-    long max;
-};
-
-static const struct number_option number_options[] = {
+static const struct options_number number_options[] = {
     {"--threads", offsetof(struct options, threads), 0, WORKER_THREADS_MAX},
     {"--priority", offsetof(struct options, priority), 0, WORKER_PRIORITY_MAX},
     {"--mtu", offsetof(struct options, mtu), WIRE_MTU_DEFAULT, WIRE_MTU_MAX},
     {"--parent", offsetof(struct options, parent), 1, INT32_MAX},
+    {0},
 };
 
-static gboolean read_number(const char *name, const char *value, gpointer options, GError **error)
-{
-    const struct number_option *option = number_options;
-    // GLib gives the name as it was typed: "--threads", or "-t" with its first letter.
-    while (strcmp(option->name, name) != 0 && (name[1] == '-' || name[1] != option->name[2]))
-        option++;
-    gint64 number;
-    if (!g_ascii_string_to_signed(value, 10, option->min, option->max, &number, NULL)) {
-        g_set_error(error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE,
-                    "%s: expected a whole number from %ld to %ld, found '%s'", name, option->min,
-                    option->max, value);
-        return FALSE;
-    }
-    *(long *)((char *)options + option->offset) = (long)number;
-    return TRUE;
-}
-
-static GOptionContext *options_context(struct options *options)
+static enum status read_options(struct options *options, int argc, char **argv, struct error *error)
 {
     const GOptionEntry entries[] = {
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
@@ -79,48 +56,33 @@ static GOptionContext *options_context(struct options *options)
          "URL"},
         {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
          "Seal all messages with the coordinator's key, in this file", "FILE"},
-        {"threads", 't', 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"threads", 't', 0, G_OPTION_ARG_CALLBACK, options_number,
          "Threads that compute (default: 0, as many as there are cores)", "N"},
-        {"priority", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"priority", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "Nice value added for them, 0 to 19 (default: 10)", "N"},
-        {"mtu", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"mtu", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "Greatest message, 1400 to 60000 bytes (default: 1400)", "BYTES"},
-        {"parent", 0, 0, G_OPTION_ARG_CALLBACK, read_number,
+        {"parent", 0, 0, G_OPTION_ARG_CALLBACK, options_number,
          "End when this process, which must be the parent, ends", "PID"},
         {"check-network", 0, 0, G_OPTION_ARG_NONE, &options->check_network,
          "Say what works on this network and what does not, with the remedy, and end", NULL},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Print errors only", NULL},
         {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Print every decision", NULL},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version,
-         "Print version, protocol and kernel fingerprint", NULL},
-        {0},
+        G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new(NULL);
-    GOptionGroup *group = g_option_group_new("main", "", "", options, NULL);
-    g_option_group_add_entries(group, entries);
-    g_option_context_set_main_group(context, group);
-    g_option_context_set_summary(context,
-                                 "Evaluates designs for the coordinators on the network, on all "
-                                 "cores, until it is stopped.");
-    g_option_context_set_description(context,
-                                     "Exit status: 0 stopped, or the network is good; 1 failed "
-                                     "while running, or it is not; 2 usage.");
-    return context;
-}
-
-static enum status read_options(struct options *options, int argc, char **argv, struct error *error)
-{
-    enum status status = STATUS_OK;
-    GOptionContext *context = options_context(options);
-    g_autoptr(GError) problem = NULL;
-    if (!g_option_context_parse(context, &argc, &argv, &problem))
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", problem->message);
-    else if (argc > 1)
-        status = error_set(error, STATUS_INVALID,
-                           "unexpected '%s': expected options only "
-                           "(see --help)",
-                           argv[1]);
-    g_option_context_free(context);
+    const struct options_program program = {
+        .summary = "Evaluates designs for the coordinators on the network, on all cores, until it "
+                   "is stopped.",
+        .description = "Exit status: 0 stopped, or the network is good; 1 failed while running, or "
+                       "it is not; 2 usage.",
+        .entries = entries,
+        .version = "Print version, protocol and kernel fingerprint",
+        .numbers = number_options,
+        .options = options,
+    };
+    struct options_common common;
+    const enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
     return status;
 }
 
@@ -298,9 +260,7 @@ int main(int argc, char **argv)
     if (status == STATUS_OK && options.version) {
         print_version();
     } else if (status == STATUS_OK) {
-        log_start("sobox-worker", options.quiet     ? LOG_QUIET
-                                  : options.verbose ? LOG_DEBUG
-                                                    : LOG_NORMAL);
+        log_start("sobox-worker", options_log_level(options.quiet, options.verbose));
         status = options.check_network ? check_network(&options, &error) : run(&options, &error);
     }
     if (status != STATUS_OK)

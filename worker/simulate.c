@@ -2,6 +2,7 @@
 // crash model it writes the trajectory and compares it with a measured or finite-element motion.
 #include "common/base/error.h"
 #include "common/base/log.h"
+#include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
@@ -70,26 +71,22 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "Print the mean absolute errors from this motion", "REF.csv"},
         {"case", 'l', 0, G_OPTION_ARG_FILENAME, &options->load_case,
          "Simulate this one of the scenario's cases (default: all of them)", "NAME"},
-        {"version", 0, 0, G_OPTION_ARG_NONE, &options->version, "Print the version and end", NULL},
         G_OPTION_ENTRY_NULL,
     };
-    GOptionContext *context = g_option_context_new("SCENARIO.yaml");
-    g_option_context_set_summary(context, program_summary);
-    g_option_context_set_description(context, program_description);
-    g_option_context_add_main_entries(context, entries, NULL);
-    g_autoptr(GError) reason = NULL;
-    enum status status = STATUS_OK;
-    if (!g_option_context_parse(context, &argc, &argv, &reason)) {
-        status = error_set(error, STATUS_INVALID, "%s (see --help)", reason->message);
-    } else if (!options->version && argc != 2) {
-        status = error_set(error, STATUS_INVALID,
-                           "expected one scenario: sobox-simulate SCENARIO.yaml (see --help), "
-                           "found %d",
-                           argc - 1);
-    } else if (argc == 2) {
-        options->scenario = g_strdup(argv[1]);
+    const struct options_program program = {
+        .argument = "SCENARIO.yaml",
+        .summary = program_summary,
+        .description = program_description,
+        .entries = entries,
+    };
+    struct options_common common;
+    const enum status status = options_read(&program, argc, argv, &common, error);
+    options->version = common.version;
+    options->scenario = common.argument;
+    if (status == STATUS_OK && !options->version && options->scenario == NULL) {
+        return error_set(error, STATUS_INVALID,
+                         "no scenario: expected sobox-simulate SCENARIO.yaml (see --help)");
     }
-    g_option_context_free(context);
     return status;
 }
 

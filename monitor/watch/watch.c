@@ -2,11 +2,11 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/numeric/identity.h"
 #include "common/wire/source.h"
 #include "common/wire/wire.h"
 
 #include <glib.h>
-#include <sodium.h>
 
 enum { ASK_MS = 50 };
 
@@ -31,10 +31,7 @@ static enum status wire_make(struct wire **wire, const struct watch *watch, stru
     struct wire_settings settings = wire_settings_default();
     settings.url = watch->url;
     settings.key = watch->key;
-    uint64_t sender = 0;
-    randombytes_buf(&sender, sizeof sender);
-    // Positive as the signed number that travels, and never 0.
-    return wire_open(wire, &settings, (sender >> 1) | 1, error);
+    return wire_open(wire, &settings, identity_random(), error);
 }
 
 // ---- Texts ----
