@@ -25,6 +25,7 @@ enum {
     // widest serves 4096 forces, larger problems take a narrower one.
     KERNEL_COEFFICIENTS = 65536,
     KERNEL_VALUES = KERNEL_COEFFICIENTS / LANES,
+    FLIGHT_LOOK = 4, // steps from one look whether all fly freely to the next
 };
 
 // What event Verlet keeps of one spring, to find what happened within the step. Step n stands at n
@@ -111,7 +112,8 @@ struct kernel_observed {
     struct lanes deformation_max;
 };
 
-// One row of a value's matrix for this bundle; missing designs are zero.
+// One row of a value's matrix for this bundle; missing designs are the first one again, so that
+// they are done when the others are.
 LANES_INLINE struct lanes kernel_values(const double *values, uint32_t count)
 {
     if (count >= LANES) {
@@ -119,7 +121,7 @@ LANES_INLINE struct lanes kernel_values(const double *values, uint32_t count)
     }
     double padded[LANES];
     for (uint32_t i = 0; i < LANES; i++) {
-        padded[i] = i < count ? values[i] : 0.0;
+        padded[i] = values[i < count ? i : 0];
     }
     return lanes_load(padded);
 }
@@ -689,6 +691,62 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem,
     }
 }
 
+// Whether, in all lanes, every spring stays off the inner end of the face for the steps that are
+// left when nothing pushes: then nothing will. Seen from the end of the face the COG is at (X, Y)
+// and moves by `way` a step, and spring i's line passes the end at the height
+//
+//     W + p_y,i,   W = Y cos(yaw) - X sin(yaw),   W'' = -omega^2 W - 2 omega (v_x cos + v_y sin)
+//
+// above it no contact. With W'' >= -bound, W lies above a parabola that opens downwards, so above
+// the lesser of its values now and at the end. Any answer leads to the same bits; true must be
+// right, so there is a margin well above rounding.
+LANES_INLINE bool kernel_flies_free(const struct kinematics_problem *problem,
+                                    const struct kernel_motion *at, const struct kernel_motion *way,
+                                    const struct kernel_pose *pose, uint32_t steps)
+{
+    const double margin = 1e-6;   // [m]
+    const double yaw_limit = 1.5; // [rad] where the cosine is still above 0
+    const struct lanes left = lanes_set(steps);
+    const struct lanes two = lanes_set(2.0);
+    const struct lanes x = at->x;
+    const struct lanes y = lanes_sub(at->y, lanes_set(problem->edge_y));
+    const struct lanes turn = lanes_abs(way->yaw);
+    const struct lanes height = lanes_fms(y, pose->cosine, lanes_mul(x, pose->sine));
+    const struct lanes lever = lanes_fma(y, pose->sine, lanes_mul(x, pose->cosine));
+    const struct lanes along = lanes_fma(way->x, pose->cosine, lanes_mul(way->y, pose->sine));
+    const struct lanes across = lanes_fms(way->y, pose->cosine, lanes_mul(way->x, pose->sine));
+    const struct lanes rate = lanes_fnma(way->yaw, lever, across);
+    const struct lanes distance = lanes_mul(left, lanes_add(lanes_abs(way->x), lanes_abs(way->y)));
+    const struct lanes reach =
+        lanes_fma(two, distance, lanes_add(lanes_add(lanes_abs(x), lanes_abs(y)), distance));
+    const struct lanes sideways = lanes_mul(lanes_mul(two, way->yaw), along);
+    const struct lanes bound =
+        lanes_max(lanes_fma(lanes_mul(turn, turn), reach, sideways), lanes_set(0.0));
+    const struct lanes straight = lanes_fma(left, rate, height);
+    const struct lanes at_end =
+        lanes_fnma(lanes_mul(lanes_mul(lanes_set(0.5), left), left), bound, straight);
+    const struct lanes needed = lanes_set(margin - problem->lowest_y);
+    const struct lanes yaw_end = lanes_fma(left, turn, pose->magnitude);
+    struct lanes_mask free = lanes_less(yaw_end, lanes_set(yaw_limit));
+    free = lanes_and_less(lanes_and_less(free, needed, height), needed, at_end);
+    const struct lanes_mask all = lanes_less(lanes_set(0.0), lanes_set(1.0));
+    return !lanes_any(lanes_and_not(all, free));
+}
+
+// Takes the bundle through steps in which nothing touches: the same additions, and nothing else.
+// Their number is even, so that event Verlet finds this step's notes where it looks for them.
+LANES_INLINE uint32_t kernel_fly(struct kernel_motion *at, const struct kernel_motion *way,
+                                 uint32_t steps)
+{
+    const uint32_t even = steps & ~UINT32_C(1);
+    for (uint32_t i = 0; i < even; i++) {
+        at->x = lanes_add(at->x, way->x);
+        at->y = lanes_add(at->y, way->y);
+        at->yaw = lanes_add(at->yaw, way->yaw);
+    }
+    return even;
+}
+
 // Central difference, velocity Verlet and event Verlet are one scheme: with the way of a step d,
 // eq. 6.41 reads d += a dt^2, q += d. `weight` is the part of a step over which the forces of one
 // time act: half a step at the end, which gives the velocity there, and at the start half a step
@@ -747,6 +805,11 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         }
         if (last) {
             return load;
+        }
+        const uint32_t left = problem->step_count - step;
+        if (!features.rounded && rows == NULL && step % FLIGHT_LOOK == 0 &&
+            !lanes_any(load.contact) && kernel_flies_free(problem, at, &way, pose, left)) {
+            step += kernel_fly(at, &way, left - 1);
         }
         at->x = lanes_add(at->x, way.x);
         at->y = lanes_add(at->y, way.y);

@@ -216,13 +216,15 @@ static void large_problems_are_evaluated_too(void **state)
     kinematics_free(small);
 }
 
-// What the trajectory shows must be what the search judged.
+// What the trajectory shows must be what the search judged. A recorded design takes every step, one
+// that is judged leaves out those of a car that flies free: of the plain problems every third does.
 static void recorded_design_has_the_same_results(void **state)
 {
     (void)state;
     uint64_t seed = 4;
-    for (uint32_t turn = 0; turn < 60; turn++) {
-        struct kinematics_problem *problem = random_problem(&seed, turn);
+    for (uint32_t turn = 0; turn < 240; turn++) {
+        struct kinematics_problem *problem =
+            turn % 2 == 0 ? random_problem(&seed, turn / 2) : plain_problem(&seed, turn / 2);
         const uint32_t row_count = kinematics_row_count(problem);
         const uint32_t column_count = kinematics_column_count(problem);
         double single[VALUE_MAX];
