@@ -332,6 +332,30 @@ static json_t *motion_errors(const struct motion *motion, const struct simulatio
     return errors;
 }
 
+// Says of a crash whether the car turned so far that its springs had no projection on the barrier:
+// from then on they gave no force, and what the model says of it is worth little.
+static void set_turned(json_t *object, const struct scenario *crash, const char *prefix,
+                       const double *outcomes)
+{
+    g_autofree char *name = g_strconcat(prefix, "yaw_beyond_90_deg", NULL);
+    if (crash->model == SCENARIO_MODEL_SMALL_OVERLAP) {
+        json_object_set_new(object, name,
+                            json_boolean(small_overlap_turned(outcomes[OUTCOME_YAW_MAX_DEG])));
+    }
+}
+
+static void set_all_turned(json_t *object, const struct scenario *scenario, const double *outcomes)
+{
+    if (scenario->case_count == 0) {
+        set_turned(object, scenario, "", outcomes);
+    }
+    for (uint32_t i = 0; i < scenario->case_count; i++) {
+        g_autofree char *prefix = g_strconcat(scenario->cases[i].name, ".", NULL);
+        set_turned(object, &scenario->cases[i], prefix, outcomes);
+        outcomes += scenario_outcome_count(&scenario->cases[i]);
+    }
+}
+
 // Prints everything as one object. `errors`, which is taken, may be NULL.
 static enum status print_outcomes(const struct scenario *scenario, const double *outcomes,
                                   json_t *errors, struct error *error)
@@ -342,6 +366,7 @@ static enum status print_outcomes(const struct scenario *scenario, const double 
         json_object_set_new(object, scenario_outcome_name(scenario, i, name),
                             json_number(outcomes[i]));
     }
+    set_all_turned(object, scenario, outcomes);
     const struct verdict verdict = batch_verdict(scenario, outcomes, 1);
     json_object_set_new(object, "good", json_boolean(verdict.violation == VERDICT_GOOD));
     json_object_set_new(object, "violated", violated_names(scenario, outcomes));

@@ -43,6 +43,21 @@ design_without_forces_flies_on()
     expect_said out 's_L'
 }
 
+# A car that turns beyond 90 degrees has no springs any more: its outcomes are numbers that nobody should
+# take for a crash, so it is said. A light turntable with all its force inwards is turned right round.
+turn_beyond_90_degrees_is_flagged()
+{
+    run 0 sobox-simulate "$scenario" --design centre
+    expect_equal "$(_print_outcome yaw_beyond_90_deg)" 0 'the usual crash turns beyond 90 degrees'
+    run 0 sobox-simulate "$scenario" --design upper --set vehicle.yaw_inertia=200 --set 'springs.0.force_y={lower: 0, upper: 0}'
+    expect_equal "$(_print_outcome yaw_beyond_90_deg)" 1 'the spun car turns beyond 90 degrees'
+    expect_equal "$(sqlite3 :memory: "SELECT json_extract(readfile('out'), '$.yaw_max_deg') > 90")" 1 'yaw_max_deg'
+    run 0 sobox-simulate "$scenario" --design upper --set 'springs.0.force_y={lower: 0, upper: 0}' \
+        --set 'cases=[{name: usual}, {name: spun, vehicle.yaw_inertia: 200}]'
+    expect_equal "$(sqlite3 :memory: "SELECT json_extract(readfile('out'), '$.\"usual.yaw_beyond_90_deg\"'),
+        json_extract(readfile('out'), '$.\"spun.yaw_beyond_90_deg\"')")" '0|1' 'flags of the cases'
+}
+
 _columns() # FILE COLUMN...
 {
     head -n 1 "$1" | tr , '\n'

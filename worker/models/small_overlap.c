@@ -1,6 +1,7 @@
 #include "worker/models/small_overlap.h"
 
 #include <glib.h>
+#include <math.h>
 
 #define SAME(result, outcome)                       \
     _Static_assert((int)(result) == (int)(outcome), \
@@ -127,4 +128,10 @@ void small_overlap_outcomes(double overlap, uint32_t count, double *outcomes, si
     divide(outcomes, OUTCOME_TRAVEL_X, -1.0, count, stride); // positive forwards
     divide(outcomes, OUTCOME_DECEL_MAX_G, SMALL_OVERLAP_GRAVITY, count, stride);
     divide(outcomes, OUTCOME_DECEL_MEAN_G, SMALL_OVERLAP_GRAVITY, count, stride);
+}
+
+bool small_overlap_turned(double yaw_max_deg)
+{
+    const double upright = 90.0; // [degrees] at it the cosine is 0, or rounding
+    return yaw_max_deg >= upright && yaw_max_deg < (double)INFINITY;
 }

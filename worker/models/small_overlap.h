@@ -24,4 +24,8 @@ void small_overlap_values(const struct design *design, double *values);
 // the barrier's.
 void small_overlap_outcomes(double overlap, uint32_t count, double *outcomes, size_t stride);
 
+// Whether a crash with that greatest yaw [degrees] went beyond 90 degrees, where a spring's line
+// meets the barrier's face no more: there it gave no force. False where the yaw is not finite.
+bool small_overlap_turned(double yaw_max_deg);
+
 #endif
