@@ -4,11 +4,13 @@
 //
 //     crash_study reloading [DESIGNS]    verdicts under simulation.reloading thesis and crushed
 //     crash_study steps [DESIGNS]        errors of s_L, AbWAP, AbWP at a range of time steps
+//     crash_study flight [DESIGNS]       how long cars fly on after the last contact
 //
 // DESIGNS (default 4096) are drawn a scenario.
 #include "common/scenario/scenario_read.h"
 #include "coordinator/search/search.h"
 #include "worker/batch/batch.h"
+#include "worker/models/small_overlap.h"
 
 #include <glib.h>
 #include <math.h>
@@ -196,8 +198,8 @@ static const char *const step_integrators[] = {
     "event_verlet",
     "runge_kutta_4",
 };
-static const char *const step_sizes[] = {"2e-3", "1e-3", "5e-4",  "2.5e-4",
-                                         "1e-4", "5e-5", "2.5e-5"};
+static const char *const step_sizes[] = {"2e-3",   "1.5e-3", "1.25e-3", "1e-3",  "5e-4",
+                                         "2.5e-4", "1e-4",   "5e-5",    "2.5e-5"};
 enum { STEP_SIZES = G_N_ELEMENTS(step_sizes), STEP_OUTCOMES = G_N_ELEMENTS(step_outcomes) };
 static const char step_converged[] = "simulation.time_step=2e-6";
 
@@ -294,6 +296,104 @@ static void study_steps(uint32_t designs)
     }
 }
 
+// ---- Free flight ----
+
+enum { FLIGHT_BUNDLE = 16 }; // designs that AVX-512 takes through the steps together
+
+// The steps up to the last one at which something touches, and at which something pushes.
+struct flight {
+    uint32_t contact;
+    uint32_t force;
+};
+
+static struct flight flight_of(const struct kinematics_problem *problem, const double *rows,
+                               uint32_t springs)
+{
+    struct flight flight = {0, 0};
+    for (uint32_t step = 0; step < kinematics_row_count(problem); step++) {
+        const double *spring =
+            rows + (size_t)step * kinematics_column_count(problem) + KINEMATICS_COLUMN_SPRING;
+        for (uint32_t i = 0; i < springs; i++, spring += KINEMATICS_SPRING_COLUMN_COUNT) {
+            if (spring[KINEMATICS_SPRING_CONTACT] > 0.0) {
+                flight.contact = step;
+            }
+            if (spring[KINEMATICS_SPRING_FORCE_X] != 0.0 ||
+                spring[KINEMATICS_SPRING_FORCE_Y] != 0.0) {
+                flight.force = step;
+            }
+        }
+    }
+    return flight;
+}
+
+// Prints which share of all steps comes after the last contact and after the last force, design by
+// design and where a whole bundle is so far.
+static void flight_cells(const struct scenario *scenario, const struct box *box, uint32_t designs)
+{
+    const struct sampling sampling = {.seed = 7, .step = 1, .samples = designs};
+    struct kinematics_problem *problem = small_overlap_problem(scenario, NULL, false);
+    g_autofree double *values = g_new(double, (size_t)box->count *MODEL_BLOCK);
+    g_autofree double *single = g_new(double, box->count);
+    g_autofree double *results = g_new(double, kinematics_result_count(problem));
+    g_autofree double *rows =
+        g_new(double, (size_t)kinematics_row_count(problem) * kinematics_column_count(problem));
+    double alone[2] = {0.0, 0.0};
+    double together[2] = {0.0, 0.0};
+    struct flight latest = {0, 0};
+    const double steps = kinematics_row_count(problem) - 1.0;
+    for (uint32_t i = 0; i < designs; i++) {
+        if (i % MODEL_BLOCK == 0) {
+            sampling_fill(&sampling, box, i, MODEL_BLOCK, values, MODEL_BLOCK);
+        }
+        for (uint32_t variable = 0; variable < box->count; variable++) {
+            single[variable] = values[(size_t)variable * MODEL_BLOCK + i % MODEL_BLOCK];
+        }
+        kinematics_record(problem, single, results, rows);
+        const struct flight flight = flight_of(problem, rows, scenario->spring_count);
+        alone[0] += steps - flight.contact;
+        alone[1] += steps - flight.force;
+        latest.contact = MAX(latest.contact, flight.contact);
+        latest.force = MAX(latest.force, flight.force);
+        if ((i + 1) % FLIGHT_BUNDLE == 0) {
+            together[0] += FLIGHT_BUNDLE * (steps - latest.contact);
+            together[1] += FLIGHT_BUNDLE * (steps - latest.force);
+            latest = (struct flight){0, 0};
+        }
+    }
+    const double all = 0.01 * steps * designs; // [%]
+    printf(" %.0f %% | %.0f %% | %.1f %% | %.1f %% |", alone[0] / all, alone[1] / all,
+           together[0] / all, together[1] / all);
+    kinematics_free(problem);
+}
+
+static void study_flight(uint32_t designs)
+{
+    designs = (designs - 1) / MODEL_BLOCK * MODEL_BLOCK + MODEL_BLOCK;
+    printf(
+        "%u designs a box: the share of all steps after the last contact of any spring, and after "
+        "the last force of any; of a design, and where all %d of a bundle are so far.\n\n"
+        "| scenario | design space: no contact | no force | bundle: no contact | no force "
+        "| box found: no contact | no force | bundle: no contact | no force |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
+        designs, FLIGHT_BUNDLE);
+    for (size_t i = 0; i < G_N_ELEMENTS(study_scenarios); i++) {
+        for (size_t j = 0; j < G_N_ELEMENTS(study_responses); j++) {
+            g_autofree char *wanted = g_strdup_printf("response=%s", study_responses[j]);
+            struct scenario scenario = study_scenario(
+                study_scenarios[i], (const char *const[4]){wanted, NULL, NULL, NULL});
+            struct search_result found;
+            struct search *search = study_search(&scenario, &found);
+            printf("| %s, %s |", study_scenarios[i], study_responses[j]);
+            flight_cells(&scenario, &scenario.design_space, designs);
+            flight_cells(&scenario, found.box, designs);
+            printf("\n");
+            fflush(stdout);
+            search_free(search);
+            scenario_fini(&scenario);
+        }
+    }
+}
+
 // ---- The program ----
 
 int main(int argc, char **argv)
@@ -312,6 +412,10 @@ int main(int argc, char **argv)
         study_steps(designs);
         return 0;
     }
-    fprintf(stderr, "expected: crash_study reloading|steps [DESIGNS]\n");
+    if (strcmp(study, "flight") == 0) {
+        study_flight(designs);
+        return 0;
+    }
+    fprintf(stderr, "expected: crash_study reloading|steps|flight [DESIGNS]\n");
     return 2;
 }
