@@ -217,7 +217,7 @@ static void large_problems_are_evaluated_too(void **state)
 }
 
 // What the trajectory shows must be what the search judged. A recorded design takes every step, one
-// that is judged leaves out those of a car that flies free: of the plain problems every third does.
+// that is judged leaves out those of a car that flies free.
 static void recorded_design_has_the_same_results(void **state)
 {
     (void)state;
