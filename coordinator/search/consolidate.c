@@ -186,3 +186,17 @@ bool consolidate_complete(struct consolidate *consolidate, struct explore *explo
         settle(consolidate, explore, &step, archive);
     return consolidate->steps == count;
 }
+
+bool consolidate_resting(const struct consolidate *consolidate)
+{
+    return consolidate->trial_steps == 0 &&
+           consolidate->steps > consolidate_settle_after * consolidate->step_count;
+}
+
+void consolidate_hasten(struct consolidate *consolidate)
+{
+    // One more step takes the box into the average and begins the trial.
+    const uint32_t last = consolidate->steps + 1 + CONSOLIDATE_TRIAL_STEPS;
+    if (consolidate_resting(consolidate) && last < consolidate->step_count)
+        consolidate->step_count = last;
+}

@@ -45,4 +45,11 @@ void consolidate_start(struct consolidate *consolidate, struct explore *explore,
 bool consolidate_complete(struct consolidate *consolidate, struct explore *explore,
                           struct explore_step step, const struct cloud *archive);
 
+// Nothing more is gained: if the box is at rest, the steps left are cut down to those of a last
+// trial. Otherwise nothing happens.
+void consolidate_hasten(struct consolidate *consolidate);
+
+// Whether the wanted share is reached and no trial goes on: the box only has to come to rest.
+bool consolidate_resting(const struct consolidate *consolidate);
+
 #endif

@@ -5,6 +5,7 @@
 #include "coordinator/search/demands.h"
 #include "coordinator/search/explain.h"
 #include "coordinator/search/seek.h"
+#include "coordinator/search/stagnation.h"
 #include "coordinator/search/tournament.h"
 
 #include <assert.h>
@@ -82,6 +83,7 @@ struct search {
     uint32_t samples;             // a step of consolidation
     uint32_t exploration_steps;   // what the budget leaves of the scenario's
     uint32_t consolidation_steps; // likewise
+    struct stagnation stagnation; // of the box that is left, then of the one at rest
 
     struct certificate certificate;
 
@@ -417,6 +419,7 @@ static void award(struct search *search, const struct box *box)
 static void start_consolidate(struct search *search, uint32_t steps, double bad_from)
 {
     search->phase = SEARCH_PHASE_CONSOLIDATE;
+    stagnation_reset(&search->stagnation);
     consolidate_start(&search->consolidate, current(search), steps, bad_from,
                       bad_share_wanted(search));
     if (steps == 0)
@@ -595,6 +598,19 @@ static struct explore_step shown(const struct search *search)
     };
 }
 
+static bool stagnates(struct search *search)
+{
+    const struct box *box = &current(search)->box;
+    return stagnation_note(&search->stagnation,
+                           demands_volume(&search->demands, box, &search->space));
+}
+
+// Whether the last box left is balanced and no longer gains anything.
+static bool explored_enough(struct search *search)
+{
+    return search->tournament.left_count == 1 && current(search)->balancing && stagnates(search);
+}
+
 static void complete_explore(struct search *search)
 {
     struct explore_step step = shown(search);
@@ -607,7 +623,7 @@ static void complete_explore(struct search *search)
     if (all_good(search) && explore_whole(sampled)) {
         tournament_fini(&search->tournament);
         take_whole_space(search);
-    } else if (spent) {
+    } else if (spent || explored_enough(search)) {
         end_explore(search);
     }
 }
@@ -617,6 +633,8 @@ static void complete_consolidate(struct search *search)
     if (consolidate_complete(&search->consolidate, current(search), shown(search),
                              &search->archive))
         start_certify(search);
+    else if (consolidate_resting(&search->consolidate) && stagnates(search))
+        consolidate_hasten(&search->consolidate);
 }
 
 static void complete_certify(struct search *search)
@@ -755,6 +773,7 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
     plan_steps(search);
+    stagnation_init(&search->stagnation, scenario->search.stagnation);
     seek_init(&search->seek, &search->space, SEARCH_SEEK_CHOICE * starts_wanted(search));
     look_on(search);
     consolidate_init(&search->consolidate, &search->space);
@@ -771,6 +790,7 @@ void search_free(struct search *search)
     consolidate_fini(&search->consolidate);
     demands_fini(&search->demands);
     explain_fini(&search->explain);
+    stagnation_fini(&search->stagnation);
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);

@@ -529,6 +529,33 @@ static void explanation_stays_in_the_budget(void **state)
     }
 }
 
+// With far more steps than it takes, a search that stops when nothing is gained costs a fraction,
+// and finds as large a box.
+static void stagnation_ends_a_search_early(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 5;
+    setting.samples = 100;
+    setting.steps = 300;
+    struct outcome_of_search whole = run(&setting, 1);
+    setting.asked.stagnation = 15;
+    struct outcome_of_search early = run(&setting, 1);
+    assert_int_equal(early.result.status, SEARCH_STATUS_DONE);
+    assert_true(early.steps[SEARCH_PHASE_EXPLORE] < 200);
+    assert_true(early.steps[SEARCH_PHASE_CONSOLIDATE] < 290);
+    assert_int_equal(whole.steps[SEARCH_PHASE_EXPLORE], 300);
+    assert_true(fabs(early.result.log_volume - whole.result.log_volume) < 0.1);
+    setting.replay = true;
+    setting.replay_at = early.result.steps - 5;
+    struct outcome_of_search again = run(&setting, 1);
+    assert_true(digest_equal(&again.result.digest, &early.result.digest));
+    box_fini(&whole.box);
+    box_fini(&early.box);
+    box_fini(&again.box);
+}
+
 // A request stays the same until it is answered, and the phases come in their order.
 static void asking_twice_changes_nothing(void **state)
 {
@@ -848,6 +875,7 @@ int main(void)
         cmocka_unit_test(explanation_is_resumed),
         cmocka_unit_test(nothing_is_explained_without_a_bound),
         cmocka_unit_test(explanation_stays_in_the_budget),
+        cmocka_unit_test(stagnation_ends_a_search_early),
         cmocka_unit_test(asking_twice_changes_nothing),
         cmocka_unit_test(budget_is_kept),
         cmocka_unit_test(starts_are_as_many_as_asked_for),
