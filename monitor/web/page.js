@@ -262,12 +262,12 @@
     const value = (i) => (s) => { const number = Sweep.numberOf(s.values[i]); return number === null ? s.values[i] ?? "" : number; };
     const table = new Table($("searches"), [
       { name: "Search", value: (s) => s.search, pick: (s) => pickSearch(s.run, s.search) },
-      ...(axes.length === 0 ? [] : axes.map((path, i) => ({ name: path, text: true, value: value(i), show: (s) => s.values[i] ?? "–" }))),
       { name: "Status", text: true, value: (s) => words(s.status) },
+      { name: "ln(volume)", value: (s) => s.log_volume, show: (s) => fixed(s.log_volume, 2) },
+      ...axes.map((path, i) => ({ name: path, text: true, value: value(i), show: (s) => Sweep.brief(s.values[i]) })),
       { name: "Phase", text: true, value: (s) => s.phase },
       { name: "Step", value: (s) => s.step == null ? null : s.step / (s.step_count || 1), show: (s) => s.step == null ? "–" : `${s.step} of ${s.step_count}` },
       { name: "Good", unit: "%", value: (s) => s.good_share, show: (s) => percent(s.good_share).replace(" %", "") },
-      { name: "ln(volume)", value: (s) => s.log_volume, show: (s) => fixed(s.log_volume, 2) },
       { name: "Purity ≥", value: (s) => s.purity_lower95, show: (s) => s.purity_lower95 > 0 ? s.purity_lower95.toFixed(4) : "–" },
       { name: "Designs", value: (s) => s.evaluations, show: (s) => brief(s.evaluations) },
     ], (s) => s.search, 0, false, (s, row) => { mark(row, s.search === choice.search, s.status === "waiting"); if (s.name) row.title = s.name; });

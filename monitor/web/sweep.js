@@ -5,8 +5,9 @@
 const Sweep = (() => {
   const { Figure, colour, faded } = Figures;
 
+  // Of a search that goes on the volume is none to compare with.
   const STATUS = {
-    running: ["design", "circle"], done: ["series-3", "circle"],
+    done: ["series-3", "circle"],
     purity_missed: ["series-2", "triangle"], no_good_design: ["series-4", "crossRot"],
   };
   const words = (name) => String(name).replaceAll("_", " ");
@@ -25,6 +26,12 @@ const Sweep = (() => {
   // A value of an axis as a number, or null when it is none.
   function numberOf(text) {
     return text !== undefined && text.trim() !== "" && isFinite(text) ? Number(text) : null;
+  }
+
+  // A value as a table shows it: 0.30000000000000004 is what a grid makes of 0.3.
+  function brief(text) {
+    const number = numberOf(text);
+    return number === null ? text ?? "–" : String(+number.toPrecision(8));
   }
 
   // Searches as rows: those heard of, and the cases that only have a name so far.
@@ -128,5 +135,5 @@ const Sweep = (() => {
     }
   }
 
-  return { Chart, rowsOf, matches, numberOf, titleOf };
+  return { Chart, rowsOf, matches, numberOf, brief };
 })();

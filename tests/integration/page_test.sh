@@ -86,15 +86,15 @@ EOF
     _start_page monitor --from run
     visit "http://$site/"
     wait_for_page 'six cases are listed' 'document.querySelectorAll("#searches tbody tr").length === 6'
-    expect_said <(_text '#searches thead') 'vehicle.mass.*response.*Status'
+    expect_said <(_text '#searches thead') 'Status.*vehicle.mass.*response'
     script 'const f = document.querySelector("#search-filter"); f.value = "rotating 1800"; f.dispatchEvent(new Event("input"))'
     wait_for_page 'one case is left' 'document.querySelectorAll("#searches tbody tr").length === 1'
     click '#searches .pick'
     wait_for_page 'it is shown' '/mass=1800,response=rotating/.test(document.querySelector("#run-title").textContent)'
     script 'const f = document.querySelector("#search-filter"); f.value = ""; f.dispatchEvent(new Event("input"))'
     wait_for_page 'all are back' 'document.querySelectorAll("#searches tbody tr").length === 6'
-    script 'const h = document.querySelectorAll("#searches thead button")[1]; h.click(); h.click(); return 1' >/dev/null
-    wait_for_page 'the heaviest comes first' 'document.querySelector("#searches tbody tr").cells[1].textContent === "1800"'
+    script 'const h = document.querySelectorAll("#searches thead button")[3]; h.click(); h.click(); return 1' >/dev/null
+    wait_for_page 'the heaviest comes first' 'document.querySelector("#searches tbody tr").cells[3].textContent === "1800"'
     script 'const a = document.querySelector("#sweep-axis"); a.selectedIndex = 2; a.dispatchEvent(new Event("change"))'
     wait_for_page 'the volume stands over the response' 'document.querySelector("#searches-chart canvas")'
     expect_quiet_console
