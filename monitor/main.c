@@ -126,8 +126,9 @@ static void show_lines(struct monitor *monitor, int64_t now_ns)
         monitor->silence_said = FALSE;
     } else if (!monitor->silence_said) {
         monitor->silence_said = TRUE;
-        printf("no run is heard on %s; %u workers\n", source(monitor),
-               monitor->feed.workers.entries->len);
+        const guint workers = monitor->feed.workers.entries->len;
+        printf("no run is heard on %s; %u worker%s\n", source(monitor), workers,
+               workers == 1 ? "" : "s");
     }
     fflush(stdout);
     monitor->shown_ns = now_ns;

@@ -275,12 +275,23 @@ static void bounds_take(struct feed_search *search, const sobox_search_status_t 
     g_array_append_vals(search->bounds, parts, 2 * variables);
 }
 
+// A search that is over is told of again and again: that is no news.
+static bool is_retold(const struct feed_search *before, const struct feed_search *now)
+{
+    return before->changed != 0 && before->standing == FEED_STANDING_DONE &&
+           now->standing == FEED_STANDING_DONE && before->status == now->status &&
+           before->step == now->step && before->evaluations == now->evaluations &&
+           digest_equal(&before->scenario, &now->scenario);
+}
+
 void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns)
 {
     struct feed_search *search =
         search_entry(feed, (uint64_t)message->header.run, (uint32_t)message->search);
     if (is_late(&search->origin, &message->header, now_ns - search->heard_ns))
         return;
+    const struct feed_search before = *search;
+    const guint known = search->bounds->len;
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
     search->standing = message->standing;
     search->phase = message->phase;
@@ -293,9 +304,11 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
     search->purity_lower95 = message->purity_lower95;
     bounds_take(search, message);
     search->heard_ns = now_ns;
+    table_touch(&feed->searches, &search->entry);
+    if (is_retold(&before, search) && known == search->bounds->len)
+        return;
     search->changed = ++feed->version;
     step_add(search);
-    table_touch(&feed->searches, &search->entry);
 }
 
 // Samples are kept of the searches heard of last.

@@ -43,9 +43,9 @@ static void run_counts(GArray *problems, const struct feed_run *run)
             "%s waits for workers: start sobox-worker with the same --url", run->name);
     if (run->workers_refused > 0)
         add(problems, PROBLEM_WORKERS_REFUSED, run->id,
-            "%s: %" PRIu32 " workers are refused, because their sobox computes with another kernel "
+            "%s: %" PRIu32 " worker%s refused, because their sobox computes with another kernel "
             "than the coordinator's: install the same version everywhere",
-            run->name, run->workers_refused);
+            run->name, run->workers_refused, run->workers_refused == 1 ? " is" : "s are");
     const double handed_out = run->recent.received + run->recent.released;
     if (run->recent.released >= COUNT_MIN && run->recent.released > RELEASED_SHARE_MIN * handed_out)
         add(problems, PROBLEM_BATCHES_RELEASED, run->id,

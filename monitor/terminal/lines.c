@@ -32,8 +32,8 @@ static void print_run(const struct feed *feed, const struct feed_run *run, FILE 
         if (search != NULL)
             print_search(search, out);
     }
-    fprintf(out, " | %" PRIu64 " designs, %.0f/s | %u workers", run->samples, run->rate,
-            run->workers);
+    fprintf(out, " | %" PRIu64 " designs, %.0f/s | %u worker%s", run->samples, run->rate,
+            run->workers, run->workers == 1 ? "" : "s");
     if (run->released > 0)
         fprintf(out, " | %" PRIu64 " batches handed out again", run->released);
     if (run->lost > 0)
@@ -70,11 +70,12 @@ static json_t *number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-static json_t *search_json(const struct feed_search *search)
+static json_t *search_json(const struct feed *feed, const struct feed_search *search)
 {
     return json_pack(
-        "{s:I, s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "search", (json_int_t)search->index,
-        "phase", feed_phase_name(search->phase), "status", feed_status_name(search->status), "step",
+        "{s:I, s:s*, s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "search", (json_int_t)search->index,
+        "case", feed_case_name(feed, search->run, search->index), "phase",
+        feed_phase_name(search->phase), "status", feed_search_word(search), "step",
         (json_int_t)search->step, "step_count", (json_int_t)search->step_count, "evaluations",
         (json_int_t)search->evaluations, "good_share", number(search->good_share), "log_volume",
         number(search->log_volume), "purity_lower95", number(search->purity_lower95));
@@ -86,7 +87,7 @@ static json_t *run_json(const struct feed *feed, const struct feed_run *run)
     for (guint i = 0; i < feed->searches.entries->len; i++) {
         const struct feed_search *search = feed_search_at(feed, i);
         if (search->run == run->id)
-            json_array_append_new(searches, search_json(search));
+            json_array_append_new(searches, search_json(feed, search));
     }
     return json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:o, s:o}", "name", run->name,
                      "state", feed_state_name(run->state), "samples", (json_int_t)run->samples,

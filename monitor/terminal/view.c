@@ -209,12 +209,18 @@ static const struct feed_search *search_chosen(const struct view_state *state,
 {
     if (state->has_search)
         return feed_search_find(feed, run->id, state->search);
+    // The latest that goes on: those that are over are told of again and again.
+    const struct feed_search *latest = NULL;
     for (const GList *link = feed->searches.heard.tail; link != NULL; link = link->prev) {
         const struct feed_search *search = link->data;
-        if (search->run == run->id)
+        if (search->run != run->id)
+            continue;
+        if (search->standing == FEED_STANDING_OPEN)
             return search;
+        if (latest == NULL)
+            latest = search;
     }
-    return NULL;
+    return latest;
 }
 
 static void run_move(struct view_state *state, const struct feed *feed, int by)
@@ -352,19 +358,21 @@ static void add_runs(GArray *lines, const struct view_state *state, const struct
     }
 }
 
-static void add_bar(GArray *lines, const struct view_state *state, const struct feed_search *search)
+static void add_bar(GArray *lines, const struct view_state *state, const struct feed *feed,
+                    const struct feed_search *search)
 {
+    const char *name = feed_case_name(feed, search->run, search->index);
     const double share =
         search->step_count > 0 ? fmin((double)search->step / search->step_count, 1) : 0;
     const unsigned width = CLAMP(state->width / 4, 4, 40);
     const unsigned filled = (unsigned)(share * width + 0.5);
     g_autofree char *full = g_strnfill(filled, '#');
     g_autofree char *empty = g_strnfill(width - filled, '-');
-    const bool running = search->status == SEARCH_STATUS_RUNNING;
+    const char *word = feed_search_word(search);
     add(lines, state, VIEW_PLAIN,
-        "  search %" PRIu32 ": %s [%s%s] step %" PRIu32 " of about %" PRIu32, search->index,
-        running ? feed_phase_name(search->phase) : feed_status_name(search->status), full, empty,
-        search->step, search->step_count);
+        "  search %" PRIu32 ": %s [%s%s] step %" PRIu32 " of about %" PRIu32 "  %s", search->index,
+        strcmp(word, "running") == 0 ? feed_phase_name(search->phase) : word, full, empty,
+        search->step, search->step_count, name != NULL ? name : "");
 }
 
 static void add_spark(GArray *lines, const struct view_state *state, const char *name,
@@ -378,15 +386,15 @@ static void add_spark(GArray *lines, const struct view_state *state, const char 
     add(lines, state, VIEW_PLAIN, "  %-13s%9s  %s", name, number, spark);
 }
 
-static void add_search(GArray *lines, const struct view_state *state, const struct feed_run *run,
-                       const struct feed_search *search)
+static void add_search(GArray *lines, const struct view_state *state, const struct feed *feed,
+                       const struct feed_run *run, const struct feed_search *search)
 {
     char number[CELL_SIZE] = "-";
     add(lines, state, VIEW_PLAIN, "%s", "");
     if (search == NULL) {
         add(lines, state, VIEW_PLAIN, "  no search of this run is heard yet");
     } else {
-        add_bar(lines, state, search);
+        add_bar(lines, state, feed, search);
         if (is_known(search->log_volume))
             g_snprintf(number, sizeof number, "%.2f", search->log_volume);
         add_spark(lines, state, "ln(volume)", number, &search->steps, step_volume);
@@ -506,7 +514,7 @@ void view_lines(struct view_state *state, const struct feed *feed, const char *s
     add(lines, state, VIEW_PLAIN, "%s", "");
     add_runs(lines, state, feed, run, now_ns);
     if (run != NULL)
-        add_search(lines, state, run, search_chosen(state, feed, run));
+        add_search(lines, state, feed, run, search_chosen(state, feed, run));
     add(lines, state, VIEW_PLAIN, "%s", "");
     add_workers(lines, state, feed, now_ns);
     add_keys(lines, state, feed);

@@ -102,6 +102,69 @@ static void doubled_message_is_no_news(void **state)
     assert_int_equal(feed->version, version);
 }
 
+// A search that is over is told of again and again, for monitors that come late: whoever has heard
+// of it is not sent it again.
+static void search_that_is_over_is_no_news_twice(void **state)
+{
+    struct feed *feed = *state;
+    sobox_search_status_t message = search_message(7, 1, 9);
+    message.standing = FEED_STANDING_DONE;
+    message.status = 1;
+    feed_search_heard(feed, &message, 1);
+    const uint64_t version = feed->version;
+    message.header.sequence = 2;
+    feed_search_heard(feed, &message, 2);
+    assert_int_equal(feed->version, version);
+    assert_string_equal(feed_search_word(feed_search_find(feed, 5, 0)), "done");
+}
+
+// A box that fits no message comes in parts, in any order; nothing is drawn of half a box.
+static void box_in_parts_is_shown_when_it_is_whole(void **state)
+{
+    struct feed *feed = *state;
+    sobox_search_status_t message = search_message(7, 1, 1);
+    message.variables = 3;
+    message.first_variable = 1;
+    message.bound_count = 4;
+    message.bounds = (double[]){2, 3, 20, 30};
+    feed_search_heard(feed, &message, 1);
+    const GArray *bounds = feed_search_find(feed, 5, 0)->bounds;
+    assert_int_equal(bounds->len, 0);
+    message.header.sequence = 2;
+    message.first_variable = 0;
+    message.bound_count = 2;
+    message.bounds = (double[]){1, 10};
+    feed_search_heard(feed, &message, 2);
+    assert_int_equal(bounds->len, 6);
+    for (guint i = 0; i < 3; i++) {
+        assert_float_equal(g_array_index(bounds, double, i), i + 1, 0);
+        assert_float_equal(g_array_index(bounds, double, 3 + i), 10 * (i + 1), 0);
+    }
+}
+
+// Samples are kept of the searches heard of last, so that a sweep does not fill the memory.
+static void samples_of_many_searches_are_bounded(void **state)
+{
+    struct feed *feed = *state;
+    uint8_t packed[1 + 32] = {1};
+    for (int32_t i = 0; i < 3 * FEED_ALBUM_MAX; i++) {
+        const sobox_step_status_t message = {
+            .header = {.sender = 7, .sequence = i, .run = 5},
+            .search = i,
+            .samples = 1,
+            .count = 1,
+            .variables = 1,
+            .window = 1,
+            .packed_size = sizeof packed,
+            .packed = packed,
+        };
+        feed_step_heard(feed, &message, i);
+    }
+    assert_int_equal(feed->albums.length, FEED_ALBUM_MAX);
+    assert_null(feed_search_find(feed, 5, 0)->album);
+    assert_non_null(feed_search_find(feed, 5, 3 * FEED_ALBUM_MAX - 1)->album);
+}
+
 // A coordinator that was killed and continues the run is another sender and counts its messages
 // anew. What it says holds, even where it stands some steps before what was shown; what the killed
 // one said last may still come late and does not.
@@ -249,6 +312,9 @@ int main(void)
         TEST(worker_rate_is_between_its_last_two_messages),
         TEST(late_message_does_not_turn_the_picture_back),
         TEST(doubled_message_is_no_news),
+        TEST(search_that_is_over_is_no_news_twice),
+        TEST(box_in_parts_is_shown_when_it_is_whole),
+        TEST(samples_of_many_searches_are_bounded),
         TEST(restarted_coordinator_is_believed),
         TEST(recording_may_be_played_again),
         TEST(two_runs_are_never_mixed),
