@@ -5,10 +5,10 @@
 #include "common/wire/source.h"
 #include "coordinator/runtime/deadline.h"
 #include "coordinator/runtime/opening.h"
+#include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/tell.h"
 #include "coordinator/runtime/texts.h"
-#include "coordinator/runtime/trimmer.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/batch/intake.h"
@@ -55,8 +55,8 @@ struct coordinator {
     GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
     struct opening opening;
     struct tell *tell;
-    struct trimmer *trimmer; // NULL in a run of one search, which trims where it stands
-    GSource *opener;         // runs once to see whether another search may be opened
+    struct pool *trimmer; // NULL in a run of one search, which trims where it stands
+    GSource *opener;      // runs once to see whether another search may be opened
     GMainLoop *loop;
     struct deadline *wake; // of the schedule
     int64_t waiting_ns;    // since when no worker is there; 0 while there is one
@@ -208,7 +208,7 @@ static enum status advance(struct coordinator *coordinator)
             texts_remove(coordinator->texts, &search->box);
             search->active = false;
             if (coordinator->trimmer != NULL) {
-                trimmer_take(coordinator->trimmer, search);
+                pool_take(coordinator->trimmer, search);
                 continue;
             }
             run_trim(search);
@@ -249,6 +249,11 @@ static enum status take_trimmed(struct coordinator *coordinator, GPtrArray *sear
     return status;
 }
 
+static void trim(void *search)
+{
+    run_trim(search);
+}
+
 static void heard_trimmed(void *user, GPtrArray *searches)
 {
     struct coordinator *coordinator = user;
@@ -266,7 +271,7 @@ static bool room_for_search(const struct coordinator *coordinator)
     struct schedule_counters counters;
     schedule_counters(coordinator->schedule, &counters);
     const double trims =
-        coordinator->trimmer != NULL ? trimmer_load(coordinator->trimmer) : OPENING_TRIMS_MAX;
+        coordinator->trimmer != NULL ? pool_load(coordinator->trimmer) : OPENING_TRIMS_MAX;
     return opening_wanted(&coordinator->opening, &counters, trims);
 }
 
@@ -636,11 +641,11 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
 
     coordinator.status = subscribe(&coordinator);
     if (coordinator.status == STATUS_OK && run->record.search_count > 1)
-        coordinator.status = trimmer_create(&coordinator.trimmer, settings->threads, heard_trimmed,
-                                            &coordinator, error);
+        coordinator.status = pool_create(&coordinator.trimmer, settings->threads, trim,
+                                         heard_trimmed, &coordinator, error);
     if (coordinator.status == STATUS_OK)
         loop(&coordinator);
-    trimmer_free(coordinator.trimmer);
+    pool_free(coordinator.trimmer);
 
     enum status status = coordinator.status;
     const bool all_done = run->done_count == run->record.search_count;

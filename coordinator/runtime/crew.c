@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/watch.h"
 #include "common/wire/source.h"
 #include "coordinator/runtime/texts.h"
 #include "worker/batch/fingerprint.h"
@@ -389,7 +390,7 @@ enum status crew_run(struct crew *crew, const char *reason, struct error *error)
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, crew),
         g_unix_signal_add(SIGINT, interrupted, crew),
         g_unix_signal_add(SIGTERM, interrupted, crew),
-        g_unix_fd_add(crew->wake, G_IO_IN, woken, crew),
+        watch_add(crew->wake, woken, crew),
     };
     publish_status(crew, RUNNING);
     if (!crew->stopped)

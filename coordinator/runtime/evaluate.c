@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/watch.h"
 #include "common/numeric/identity.h"
 #include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/pool.h"
@@ -11,7 +12,6 @@
 #include "sobox_value_batch_t.h"
 
 #include <assert.h>
-#include <glib-unix.h>
 #include <inttypes.h>
 #include <string.h>
 
@@ -252,8 +252,7 @@ static void watch_table(struct work *work)
 {
     if (work->reader != 0 || work->all_read || work->count == EVALUATE_PIECES_MAX)
         return;
-    work->reader = g_unix_fd_add(source_descriptor(work->table->source),
-                                 G_IO_IN | G_IO_HUP | G_IO_ERR, table_is_readable, work);
+    work->reader = watch_add(source_descriptor(work->table->source), table_is_readable, work);
 }
 
 // ---- The workers ----

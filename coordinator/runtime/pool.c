@@ -1,14 +1,17 @@
 #include "coordinator/runtime/pool.h"
 
+#include "common/base/watch.h"
+
 #include <assert.h>
-#include <glib-unix.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 struct pool {
+    uint32_t taken; // jobs given away, of which the loop has not been told yet
     pool_work *work;
     pool_done *done;
     void *user;
@@ -61,6 +64,7 @@ static gboolean told(gint descriptor, GIOCondition condition, gpointer user)
     GPtrArray *jobs = pool->finished;
     pool->finished = g_ptr_array_new();
     pthread_mutex_unlock(&pool->lock);
+    pool->taken -= jobs->len;
     if (jobs->len > 0)
         pool->done(pool->user, jobs);
     g_ptr_array_unref(jobs);
@@ -98,7 +102,7 @@ enum status pool_create(struct pool **result, int threads, pool_work *work, pool
     g_queue_init(&pool->waiting);
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->wanted, NULL);
-    pool->watch = g_unix_fd_add(descriptor, G_IO_IN, told, pool);
+    pool->watch = watch_add(descriptor, told, pool);
     start_threads(pool, threads);
     if (pool->thread_count == 0) {
         pool_free(pool);
@@ -130,8 +134,14 @@ void pool_free(struct pool *pool)
 
 void pool_take(struct pool *pool, void *job)
 {
+    pool->taken++;
     pthread_mutex_lock(&pool->lock);
     g_queue_push_tail(&pool->waiting, job);
     pthread_cond_signal(&pool->wanted);
     pthread_mutex_unlock(&pool->lock);
+}
+
+double pool_load(const struct pool *pool)
+{
+    return (double)pool->taken / pool->thread_count;
 }

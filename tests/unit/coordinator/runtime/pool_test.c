@@ -1,7 +1,9 @@
-// The threads that trim, on a main loop of the test's own.
-#include "coordinator/runtime/trimmer.h"
+// Threads beside the loop, at the work that most of them do: trimming searches. The main loop is
+// the test's own.
+#include "coordinator/runtime/pool.h"
 
 #include "common/scenario/scenario_read.h"
+#include "coordinator/runtime/run.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,7 +29,7 @@ enum { SEARCHES = 40, STEPS = 8, SAMPLES = 200 };
 struct fixture {
     struct scenario scenario;
     struct run_search searches[SEARCHES];
-    struct trimmer *trimmer;
+    struct pool *pool;
     GMainLoop *loop;
     unsigned told;
 };
@@ -40,6 +42,11 @@ static void judge(struct run_search *search)
         search->verdicts[i].violation = (i + search->index) % 5 == 0 ? (uint16_t)(i + 1) : 0;
 }
 
+static void trim(void *search)
+{
+    run_trim(search);
+}
+
 static void heard(void *user, GPtrArray *searches)
 {
     struct fixture *fixture = user;
@@ -47,7 +54,7 @@ static void heard(void *user, GPtrArray *searches)
         struct run_search *search = searches->pdata[i];
         if (search_last_step(search->search)->step + 1 < STEPS) {
             judge(search);
-            trimmer_take(fixture->trimmer, search);
+            pool_take(fixture->pool, search);
         } else {
             fixture->told++;
         }
@@ -83,15 +90,15 @@ static void end(struct fixture *fixture)
 static void trim_all(struct fixture *fixture, int threads)
 {
     struct error error = {0};
-    assert_int_equal(trimmer_create(&fixture->trimmer, threads, heard, fixture, &error), STATUS_OK);
+    assert_int_equal(pool_create(&fixture->pool, threads, trim, heard, fixture, &error), STATUS_OK);
     for (uint32_t i = 0; i < SEARCHES; i++) {
         judge(&fixture->searches[i]);
-        trimmer_take(fixture->trimmer, &fixture->searches[i]);
+        pool_take(fixture->pool, &fixture->searches[i]);
     }
-    assert_true(trimmer_load(fixture->trimmer) == (double)SEARCHES / threads);
+    assert_true(pool_load(fixture->pool) == (double)SEARCHES / threads);
     g_main_loop_run(fixture->loop);
-    assert_true(trimmer_load(fixture->trimmer) == 0);
-    trimmer_free(fixture->trimmer);
+    assert_true(pool_load(fixture->pool) == 0);
+    pool_free(fixture->pool);
 }
 
 // Every search comes back once for each step, and its result is that of one thread, whatever the
@@ -121,13 +128,13 @@ static void threads_end_in_the_middle_of_work(void **state)
     struct fixture fixture;
     start(&fixture);
     struct error error = {0};
-    assert_int_equal(trimmer_create(&fixture.trimmer, 2, heard, &fixture, &error), STATUS_OK);
+    assert_int_equal(pool_create(&fixture.pool, 2, trim, heard, &fixture, &error), STATUS_OK);
     for (uint32_t i = 0; i < SEARCHES; i++) {
         judge(&fixture.searches[i]);
-        trimmer_take(fixture.trimmer, &fixture.searches[i]);
+        pool_take(fixture.pool, &fixture.searches[i]);
     }
-    trimmer_free(fixture.trimmer);
-    trimmer_free(NULL);
+    pool_free(fixture.pool);
+    pool_free(NULL);
     assert_int_equal(fixture.told, 0);
     end(&fixture);
 }
