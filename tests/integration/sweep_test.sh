@@ -103,6 +103,30 @@ parts_of_a_sweep_make_up_the_whole()
     expect_said err 'this run is done'
 }
 
+# Two coordinators, each with its part of the sweep, and workers that serve both at once and keep the
+# scenarios of both.
+parts_over_one_set_of_workers_make_up_the_whole()
+{
+    _write_sweep 2
+    run 0 sobox-coordinator sweep.yaml --out whole "${steady[@]}"
+    start worker1 sobox-worker --url "$url" --threads 1
+    start worker2 sobox-worker --url "$url" --threads 3
+    start one sobox-coordinator sweep.yaml "${steady[@]}" --url "$url" --shard 1/2 --out one
+    start two sobox-coordinator sweep.yaml "${steady[@]}" --url "$url" --shard 2/2 --out two
+    finish 0 one
+    finish 0 two
+    expect_equal "$({
+        journal one 'SELECT name, status, hex(digest), hex(bounds) FROM search'
+        journal two 'SELECT name, status, hex(digest), hex(bounds) FROM search'
+    } | sort)" "$(journal whole 'SELECT name, status, hex(digest), hex(bounds) FROM search' | sort)" \
+        'rows of the two coordinators'
+    expect_equal "$({
+        sed 1d one/summary.csv
+        sed 1d two/summary.csv
+    } | cut -d, -f1-5 | sort)" "$(sed 1d whole/summary.csv | cut -d, -f1-5 | sort)" \
+        'rows of the two summaries'
+}
+
 only_runs_what_it_names_or_says_how_names_look()
 {
     _write_sweep 3
