@@ -1,4 +1,6 @@
 #include "coordinator/schedule/roster.h"
+
+#include "common/base/pace.h"
 #include "coordinator/schedule/lease.h"
 
 #include <assert.h>
@@ -368,12 +370,17 @@ struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns)
     return roster_wake_ns(roster) <= now_ns ? roster->heard.head->data : NULL;
 }
 
+int64_t roster_silence_ns(const struct roster *roster)
+{
+    return roster->settings->silence_ns * pace_most(roster->heard.length);
+}
+
 int64_t roster_wake_ns(const struct roster *roster)
 {
     if (roster->heard.head == NULL)
         return INT64_MAX;
     const struct roster_worker *worker = roster->heard.head->data;
-    return worker->heard_ns + roster->settings->silence_ns;
+    return worker->heard_ns + roster_silence_ns(roster);
 }
 
 void roster_forget(struct roster *roster, int64_t now_ns)

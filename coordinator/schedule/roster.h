@@ -173,6 +173,10 @@ struct roster_worker *roster_idle(const struct roster *roster, const struct back
 // A working worker that has been silent for too long, or NULL.
 struct roster_worker *roster_silent(const struct roster *roster, int64_t now_ns);
 
+// How long a worker may be silent: silence_ns, and with very many of them, which announce
+// themselves less often (common/base/pace.h), so much longer.
+int64_t roster_silence_ns(const struct roster *roster);
+
 // When roster_silent() may find one; INT64_MAX when there is nobody.
 int64_t roster_wake_ns(const struct roster *roster);
 

@@ -22,7 +22,7 @@ struct schedule_settings {
     uint32_t batch_samples_max;  // samples of a batch with full verdicts, by message size
     uint32_t batch_verdicts_max; // samples of a batch whose verdicts are only shares, likewise
     int64_t batch_target_ns;     // how long a batch should take a worker [ns]: a few milliseconds
-    int64_t silence_ns;          // a worker not heard for so long is gone [ns]
+    int64_t silence_ns;          // a worker not heard for so long is gone, of hundreds [ns]
     int64_t lease_new_ns;        // least lease of a worker hardly known [ns]
     int64_t lease_min_ns;        // least and greatest lease [ns]
     int64_t lease_max_ns;

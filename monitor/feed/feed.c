@@ -1,5 +1,6 @@
 #include "monitor/feed/feed.h"
 
+#include "common/base/pace.h"
 #include "coordinator/search/search.h"
 
 #include <float.h>
@@ -410,6 +411,7 @@ void feed_worker_heard(struct feed *feed, const sobox_worker_status_t *message, 
     worker->buffer_size = (uint32_t)message->buffer_size;
     worker->left = message->leaving != 0;
     worker->heard_ns = now_ns;
+    worker->silence_ns = FEED_SILENCE_NS * pace_most(feed->workers.entries->len);
     worker->changed = ++feed->version;
     table_touch(&feed->workers, &worker->entry);
 }

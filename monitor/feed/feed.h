@@ -35,7 +35,8 @@ enum {
     FEED_ALBUM_MAX = 64, // searches whose samples are kept: those heard of last, at most 128 MB
 };
 
-// Who has not been heard for so long is silent: three status messages missed. [ns]
+// Who has not been heard for so long is silent: three status messages missed, where there are not
+// so many workers that they speak less often (common/base/pace.h). [ns]
 #define FEED_SILENCE_NS INT64_C(3000000000)
 // A silent worker is forgotten after this time, one that said good-bye after the shorter. [ns]
 #define FEED_FORGET_NS INT64_C(600000000000)
@@ -82,6 +83,7 @@ struct feed_worker {
     uint32_t buffer_size; // receive buffer its kernel granted [bytes]
     bool left;            // it said that it ends
     int64_t heard_ns;
+    int64_t silence_ns;         // not heard for so long it is silent; thousands speak less often
     int64_t busy_ns, uptime_ns; // as it last said
     uint32_t idle;              // messages in a row that show it with nothing to do
     struct feed_recent recent;

@@ -118,7 +118,7 @@ static void about_worker(GArray *problems, const struct feed_worker *worker, int
 {
     if (worker->left)
         return;
-    if (now_ns - worker->heard_ns > FEED_SILENCE_NS) {
+    if (now_ns - worker->heard_ns > worker->silence_ns) {
         if (count->silent++ < PROBLEM_NAMED_MAX)
             worker_silent(problems, worker, now_ns);
         return;

@@ -197,7 +197,7 @@ static void of_workers(GString *out, const struct feed *feed, const char *name, 
         (void)now_ns;                                                             \
         return (double)(expression);                                              \
     }
-WORKER_VALUE(up, !worker->left && now_ns - worker->heard_ns <= FEED_SILENCE_NS)
+WORKER_VALUE(up, !worker->left && now_ns - worker->heard_ns <= worker->silence_ns)
 WORKER_VALUE(busy, worker->busy)
 WORKER_VALUE(busy_seconds, worker->busy_ns / 1e9)
 WORKER_VALUE(samples, worker->samples)

@@ -443,7 +443,7 @@ static void add_worker(GArray *lines, const struct view_state *state,
 {
     char threads[CELL_SIZE], busy[CELL_SIZE], rate[CELL_SIZE], queue[CELL_SIZE];
     char samples[CELL_SIZE], lost[CELL_SIZE], heard[CELL_SIZE];
-    const bool silent = now_ns - worker->heard_ns > FEED_SILENCE_NS;
+    const bool silent = now_ns - worker->heard_ns > worker->silence_ns;
     g_snprintf(threads, sizeof threads, "%" PRIu32, worker->threads);
     g_snprintf(busy, sizeof busy, "%.0f %%", 100 * worker->busy);
     g_snprintf(queue, sizeof queue, "%" PRIu32, worker->queue);

@@ -1,5 +1,7 @@
 #include "worker/runtime/presence.h"
 
+#include "common/base/pace.h"
+
 #include <stddef.h>
 
 static bool silent(const struct presence_coordinator *coordinator, int64_t now_ns)
@@ -51,10 +53,15 @@ void presence_worker(struct presence *presence)
     presence->workers_counted++;
 }
 
-void presence_second(struct presence *presence)
+bool presence_second(struct presence *presence)
 {
     presence->workers = presence->workers_counted;
     presence->workers_counted = 0;
+    presence->pace = pace_next(presence->pace > 0 ? presence->pace : 1, presence->workers);
+    if (++presence->waited < presence->pace)
+        return false;
+    presence->waited = 0;
+    return true;
 }
 
 uint32_t presence_coordinator_count(const struct presence *presence, int64_t now_ns)
@@ -68,4 +75,11 @@ uint32_t presence_coordinator_count(const struct presence *presence, int64_t now
 bool presence_crowded(const struct presence *presence)
 {
     return presence->workers > PRESENCE_CROWD;
+}
+
+uint32_t presence_spread_ms(const struct presence *presence)
+{
+    const uint32_t workers = presence->workers * (presence->pace > 0 ? presence->pace : 1);
+    const uint32_t spread_ms = workers / PRESENCE_SPREAD_RATE;
+    return spread_ms > PRESENCE_SPREAD_MS ? spread_ms : PRESENCE_SPREAD_MS;
 }

@@ -13,7 +13,8 @@ enum {
     // Workers that may answer a new coordinator all at once; more spread their answers, because a
     // default socket buffer holds a few hundred small messages.
     PRESENCE_CROWD = 8,
-    PRESENCE_SPREAD_MS = 20, // over which a crowd's answers are spread [ms]
+    PRESENCE_SPREAD_MS = 20,   // over which a crowd's answers are spread at least [ms]
+    PRESENCE_SPREAD_RATE = 20, // of a greater crowd: answers in a millisecond, at most
 };
 
 // Coordinators speak once a second; after so long without a word one is gone. [ns]
@@ -29,6 +30,8 @@ struct presence {
     uint32_t coordinator_count;
     uint32_t workers;         // heard in the last whole second, this one included
     uint32_t workers_counted; // heard so far in this second
+    uint32_t pace;            // seconds between this worker's announcements; 0: not begun, as 1
+    uint32_t waited;          // seconds since the last one
 };
 
 // A coordinator was heard. True when it is new, or was silent for so long that it may be.
@@ -40,13 +43,17 @@ void presence_coordinator_ended(struct presence *presence, uint64_t sender);
 // A worker's status was heard.
 void presence_worker(struct presence *presence);
 
-// A second is over.
-void presence_second(struct presence *presence);
+// A second is over. True when this worker should announce itself: with very many workers not in
+// every second, see common/base/pace.h.
+bool presence_second(struct presence *presence);
 
 // Coordinators that are not silent.
 uint32_t presence_coordinator_count(const struct presence *presence, int64_t now_ns);
 
 // Whether so many workers are there that they should not all answer at once.
 bool presence_crowded(const struct presence *presence);
+
+// Over how long a crowd's answers should be spread [ms].
+uint32_t presence_spread_ms(const struct presence *presence);
 
 #endif

@@ -110,8 +110,9 @@ static void greet(struct worker *worker)
         return;
     }
     if (worker->greeting == 0)
-        worker->greeting =
-            g_timeout_add((guint)g_random_int_range(0, PRESENCE_SPREAD_MS + 1), greet_now, worker);
+        worker->greeting = g_timeout_add(
+            (guint)g_random_int_range(0, (gint32)presence_spread_ms(&worker->presence) + 1),
+            greet_now, worker);
 }
 
 // LCM goes deaf without a word when the multicast route changes. A worker hears its own status as
@@ -136,10 +137,11 @@ static void reopen_when_deaf(struct worker *worker)
 static gboolean each_second(gpointer user)
 {
     struct worker *worker = user;
-    presence_second(&worker->presence);
+    const bool due = presence_second(&worker->presence);
     if (worker->settings.reopen)
         reopen_when_deaf(worker);
-    publish_status(worker, false);
+    if (due)
+        publish_status(worker, false);
     return G_SOURCE_CONTINUE;
 }
 

@@ -1272,6 +1272,22 @@ static void batches_grow_with_the_workers(void **state)
         assert_in_range(desk.sent[i].batch.count, 15000, 20000);
 }
 
+// Thousands of workers announce themselves less often, so that they do not drown in each other's
+// announcements: none of them is taken for silent meanwhile, and a dead one is all the same.
+static void thousands_of_workers_may_be_silent_for_longer(void **state)
+{
+    (void)state;
+    for (uint64_t worker = 1; worker <= 2000; worker++)
+        announce(worker);
+    pass(3 * 4 * SECOND);
+    assert_int_equal(counters().workers, 2000);
+    for (uint64_t worker = 2; worker <= 2000; worker++)
+        announce(worker);
+    pass(24 * SECOND);
+    announce(2);
+    assert_true(strstr(desk.notes, "host1/1 is silent") != NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1279,6 +1295,7 @@ int main(void)
         TEST(step_of_one_search_is_split_as_far_as_messages_are_worth_it),
         TEST(batches_of_many_searches_are_worth_a_message_for_each_worker),
         TEST(batches_grow_with_the_workers),
+        TEST(thousands_of_workers_may_be_silent_for_longer),
         TEST(step_is_done_when_all_samples_are_counted),
         TEST(batches_cover_the_step_once),
         TEST(small_step_is_split_between_two_workers),

@@ -306,10 +306,23 @@ static void time_left_follows_the_pace(void **state)
 
 #define TEST(claim) cmocka_unit_test_setup_teardown(claim, feed_setup, feed_teardown)
 
+// Where there are thousands of workers each speaks less often, and is not called silent for it.
+static void worker_among_thousands_may_be_silent_for_longer(void **state)
+{
+    struct feed *feed = *state;
+    for (int64_t sender = 1; sender <= 2000; sender++) {
+        const sobox_worker_status_t message = {.header.sender = sender, .threads = 1};
+        feed_worker_heard(feed, &message, 0);
+    }
+    assert_int_equal(feed_worker_at(feed, 0)->silence_ns, FEED_SILENCE_NS);
+    assert_int_equal(feed_worker_at(feed, 1999)->silence_ns, 8 * FEED_SILENCE_NS);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(worker_rate_is_between_its_last_two_messages),
+        TEST(worker_among_thousands_may_be_silent_for_longer),
         TEST(late_message_does_not_turn_the_picture_back),
         TEST(doubled_message_is_no_news),
         TEST(search_that_is_over_is_no_news_twice),

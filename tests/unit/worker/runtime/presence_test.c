@@ -58,12 +58,42 @@ static void crowd_is_counted_by_the_second(void **state)
     for (int i = 0; i <= PRESENCE_CROWD; i++)
         presence_worker(&presence);
     assert_false(presence_crowded(&presence));
-    presence_second(&presence);
+    assert_true(presence_second(&presence));
     assert_true(presence_crowded(&presence));
     for (int i = 0; i < PRESENCE_CROWD; i++)
         presence_worker(&presence);
     presence_second(&presence);
     assert_false(presence_crowded(&presence));
+}
+
+// Thousands of workers, each of which hears all the others: they speak less often, and more often
+// again when the others are gone. Answers to a new coordinator are spread by how many there are,
+// not by how many are heard.
+static void thousands_of_workers_speak_less_often(void **state)
+{
+    (void)state;
+    struct presence presence = {0};
+    uint32_t pace = 1;
+    for (int second = 0; second < 10; second++) {
+        for (uint32_t i = 0; i < 4096 / pace; i++)
+            presence_worker(&presence);
+        presence_second(&presence);
+        pace = presence.pace;
+    }
+    assert_int_equal(pace, 8);
+    assert_int_equal(presence_spread_ms(&presence), 4096 / PRESENCE_SPREAD_RATE);
+    uint32_t spoken = 0;
+    for (int second = 0; second < 16; second++) {
+        for (uint32_t i = 0; i < 4096 / pace; i++)
+            presence_worker(&presence);
+        spoken += presence_second(&presence);
+    }
+    assert_int_equal(spoken, 2);
+    for (int second = 0; second < 3; second++)
+        presence_second(&presence);
+    assert_int_equal(presence.pace, 1);
+    assert_true(presence_second(&presence));
+    assert_int_equal(presence_spread_ms(&presence), PRESENCE_SPREAD_MS);
 }
 
 int main(void)
@@ -73,6 +103,7 @@ int main(void)
         cmocka_unit_test(ended_coordinator_is_forgotten),
         cmocka_unit_test(oldest_coordinator_makes_room),
         cmocka_unit_test(crowd_is_counted_by_the_second),
+        cmocka_unit_test(thousands_of_workers_speak_less_often),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
