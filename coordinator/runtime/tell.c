@@ -14,10 +14,11 @@
 
 enum {
     SEARCH_BURST = 32,   // open searches told of in a tick; thousands take turns
-    RETOLD_BURST = 8,    // done and failed ones: a thousand in twelve seconds
+    RETOLD_BURST = 4,    // done and failed ones: a thousand in half a minute
     STEP_BURST = 4,      // messages of samples in a tick
     STEP_QUEUE_MAX = 16, // messages that wait for their tick; further steps are not told of
     SAMPLES_TOLD = 200,  // of a step at most: as many points as a picture can show
+    CASES_PAUSE = 3,     // ticks between two messages of names, once all cases were named
     VALUE_SIZE = 96,     // [bytes] of a case's value on an axis; longer ones are cut short
 };
 
@@ -31,6 +32,8 @@ struct tell {
     uint32_t told;   // the open search whose turn it was last
     uint32_t retold; // likewise of those that are not open
     uint32_t named;  // the case whose turn it is to be named
+    uint32_t rounds; // in which all cases were named
+    uint32_t pause;  // ticks in later rounds
     char **axes;     // paths; NULL where the run is no sweep
     GQueue parts;    // struct part *, messages of samples that wait
     int allowance;   // messages of samples that may still be sent in this tick
@@ -278,10 +281,11 @@ static bool append_case(struct tell *tell, GByteArray *texts, uint32_t index)
     return whole;
 }
 
-// The paths of the axes at the start of each round, then cases, as many as fit a message.
+// The paths of the axes at the start of each round, then cases, as many as fit a message. The first
+// round is quick, the later ones are for those who come late.
 static void tell_cases(struct tell *tell)
 {
-    if (tell->axes == NULL)
+    if (tell->axes == NULL || (tell->rounds > 0 && ++tell->pause % CASES_PAUSE != 0))
         return;
     const size_t payload = wire_payload_max(tell->wire, WIRE_CASES);
     GByteArray *texts = g_byte_array_new();
@@ -305,8 +309,10 @@ static void tell_cases(struct tell *tell)
         publish_cases(tell, (int32_t)first, texts);
     else
         tell->named++; // one that fits no message has no name here
-    if (tell->named >= tell->run->record.search_count)
+    if (tell->named >= tell->run->record.search_count) {
         tell->named = 0;
+        tell->rounds++;
+    }
     g_byte_array_free(texts, TRUE);
 }
 

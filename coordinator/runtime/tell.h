@@ -5,7 +5,8 @@
 //     search_status_t  of the open searches in turn, at most 32 a tick; of those that
 //                      are done or have failed a few a tick, again and again
 //     step_status_t    the latest samples, at most a few messages a tick over all searches
-//     cases_t          of a sweep: what its cases are called, a message a tick
+//     cases_t          of a sweep: what its cases are called, some twenty a message, at most one a
+//                      tick
 //
 // A tick is 100 ms.
 #ifndef SOBOX_COORDINATOR_RUNTIME_TELL_H

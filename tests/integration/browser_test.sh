@@ -118,6 +118,44 @@ run_is_told_live_with_its_scenario()
     signal TERM stream
 }
 
+# Three cases, two of them over: a monitor that comes now hears of all, by name and with their results.
+late_monitor_hears_of_all_cases()
+{
+    cat >sweep.yaml <<EOF
+sweep: sizes
+base: $scenario
+axes:
+  - {path: search.samples, values: [100, 150, 400000]}
+EOF
+    start worker sobox-worker --url "$url" --threads 1
+    start coordinator sobox-coordinator sweep.yaml --out run --url "$url" --threads 1 \
+        --set search.exploration_steps=100 --set search.consolidation_steps=100
+    wait_until 'two cases are over' _are_over 2
+    _start_page
+    wait_until 'the monitor hears of all cases' _knows_all_cases
+    expect_equal "$(json body '$.chosen.cases.axes[1]')" search.samples 'path of the axis'
+    expect_equal "$(sqlite3 :memory: "SELECT value ->> 1 || ' ' || (value ->> 2) FROM
+        json_each(readfile('body'), '\$.chosen.cases.cases') WHERE value ->> 0 = 1")" \
+        'samples=150 150' 'the second case'
+    press_ctrl_c coordinator
+    finish 130 coordinator
+}
+
+_are_over() {
+    [ "$(journal run 'SELECT count(*) FROM search WHERE finished' 2>/dev/null)" = "$1" ]
+}
+
+_knows_all_cases() {
+    _fetch 200 /state.json
+    local id
+    id=$(json body '$.runs[0].id')
+    [ -n "$id" ] || return 1
+    _fetch 200 "/state.json?run=$id"
+    [ "$(sqlite3 :memory: "SELECT count(*) FROM json_each(readfile('body'), '\$.searches')
+        WHERE value ->> 'status' IN ('done', 'purity_missed', 'no_good_design')")" = 2 ] &&
+        [ "$(sqlite3 :memory: "SELECT json_array_length(readfile('body'), '\$.chosen.cases.cases')")" = 3 ]
+}
+
 monitor_ends_with_viewers_connected()
 {
     _start_page
