@@ -1,7 +1,7 @@
 # Whatever arrives on the ports, neither coordinator nor worker crashes, grows or goes astray.
 #
-# PACKETS in the environment, a hundred thousand by default, says how many packets, and makes the runs
-# so much longer; each case says what they cost.
+# PACKETS in the environment, a hundred thousand by default, says how many packets; each case says what
+# they cost. More than a run outlasts go on at the worker and the monitor.
 # shellcheck shell=bash disable=SC2154 # tools.bash gives the variables
 
 readonly packets=${PACKETS:-100000}
@@ -23,9 +23,8 @@ _processor_time() { # NAME: used so far [ms]
 # damage and hostile numbers; the result is that of a calm run.
 _under_fire() {
     local before after used name
-    local long=("${steady[@]}" --set search.exploration_steps=$((packets / 4000 + 5)))
-    run 0 sobox-coordinator "$scenario" "${long[@]}" --out calm
-    start coordinator sobox-coordinator "$scenario" "${long[@]}" --out stormy --url "$url" "$@"
+    run 0 sobox-coordinator "$scenario" "${steady[@]}" --out calm
+    start coordinator sobox-coordinator "$scenario" "${steady[@]}" --out stormy --url "$url" "$@"
     wait_for_line coordinator 'waiting for a worker'
     start monitor sobox-monitor --url "$url" --json "$@"
     wait_for_line monitor short
