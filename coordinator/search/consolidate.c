@@ -1,8 +1,18 @@
 #include "coordinator/search/consolidate.h"
 
+#include "coordinator/search/fit.h"
+
 #include <math.h>
 
-enum { CONSOLIDATE_TRIAL_STEPS = 5 };
+enum {
+    CONSOLIDATE_TRIAL_STEPS = 5,
+    CONSOLIDATE_FIT_VARIABLES = 3, // with more of them samples are too few to fit a box to
+    CONSOLIDATE_FITS = 6,          // evenly over the steps
+};
+
+// By how much of its width a fitted box is drawn out at each side to be sampled, divided by the
+// number of variables: to see where else its sides could be.
+static const double consolidate_fit_reach = 0.1;
 
 // The wanted share is reached after the first of these parts of the steps; from the second on, when
 // the box has followed, its boxes are averaged.
@@ -88,7 +98,7 @@ static void balance_once(const struct consolidate *consolidate, struct explore *
 // Trims `grown` by all known bad samples; returns whether the result is larger than `best`, which
 // it then replaces.
 static bool cut_pure(const struct explore *explore, const struct explore_step *step,
-                     const struct cloud *archive, const struct box *grown, struct box *best)
+                     const struct survey *survey, const struct box *grown, struct box *best)
 {
     struct trim_options options = trim_options_default();
     options.anchors = 4;
@@ -96,7 +106,7 @@ static bool cut_pure(const struct explore *explore, const struct explore_step *s
     options.keep = explore->demands != NULL ? explore->demands->reference : NULL;
     struct box pure;
     box_init(&pure, grown->count);
-    bool larger = trim(grown, best, step->good, archive, &options, &pure);
+    bool larger = trim(grown, best, step->good, &survey->bad, &options, &pure);
     larger = larger && demands_meet(explore->demands, &pure, DEMANDS_TIE_INSIDE) &&
              volume_above(demands_volume(explore->demands, &pure, explore->space),
                           demands_volume(explore->demands, best, explore->space));
@@ -109,7 +119,7 @@ static bool cut_pure(const struct explore *explore, const struct explore_step *s
 // Cuts a box without any known bad sample out of what exploration found, and one around the box as
 // it stands. If one is larger than that it is put to trial.
 static void start_trial(struct consolidate *consolidate, struct explore *explore,
-                        const struct explore_step *step, const struct cloud *archive)
+                        const struct explore_step *step, const struct survey *survey)
 {
     static const struct growth little = {.rate = 0.05};
     struct box grown;
@@ -118,8 +128,8 @@ static void start_trial(struct consolidate *consolidate, struct explore *explore
     box_init(&best, explore->box.count);
     box_assign(&best, &explore->box);
     growth_apply(&little, &explore->box, consolidate->space, &grown);
-    bool found = cut_pure(explore, step, archive, &grown, &best);
-    found = cut_pure(explore, step, archive, &consolidate->explored, &best) || found;
+    bool found = cut_pure(explore, step, survey, &grown, &best);
+    found = cut_pure(explore, step, survey, &consolidate->explored, &best) || found;
     if (found) {
         box_assign(&consolidate->balanced, &explore->box);
         explore_move(explore, &best);
@@ -156,7 +166,7 @@ static void take_average(struct consolidate *consolidate, const struct box *box)
 
 // The last steps, in which the box only has to come to rest.
 static void settle(struct consolidate *consolidate, struct explore *explore,
-                   const struct explore_step *step, const struct cloud *archive)
+                   const struct explore_step *step, const struct survey *survey)
 {
     if (consolidate->trial_steps > 0)
         return;
@@ -165,26 +175,77 @@ static void settle(struct consolidate *consolidate, struct explore *explore,
     if (consolidate->step_count - consolidate->steps == CONSOLIDATE_TRIAL_STEPS) {
         if (consolidate->average_count > 0)
             explore_move(explore, &consolidate->average);
-        start_trial(consolidate, explore, step, archive);
+        start_trial(consolidate, explore, step, survey);
     }
 }
 
-bool consolidate_complete(struct consolidate *consolidate, struct explore *explore,
-                          struct explore_step step, const struct cloud *archive)
+// Fits a box to all that is known within what was sampled last.
+static void fit_box(const struct consolidate *consolidate, struct explore *explore,
+                    const struct explore_step *step, const struct survey *survey)
+{
+    const struct fit_options options = {
+        .good = step->good,
+        .keep = explore->demands != NULL ? explore->demands->reference : NULL,
+        .bad_share = consolidate->bad_to,
+        .threads = step->threads,
+    };
+    struct box fitted;
+    box_init(&fitted, explore->box.count);
+    fit(survey, &explore->sampled, &explore->box, &options, &fitted);
+    explore_move(explore, &fitted);
+    box_fini(&fitted);
+}
+
+// A step of few variables. The box is drawn out to be sampled, so that the next fit has a choice.
+static void fit_once(const struct consolidate *consolidate, struct explore *explore,
+                     const struct explore_step *step, const struct survey *survey)
+{
+    const struct growth around = {.rate = consolidate_fit_reach / explore->box.count};
+    const uint32_t left = consolidate->step_count - consolidate->steps;
+    const uint32_t every = (consolidate->step_count + CONSOLIDATE_FITS - 1) / CONSOLIDATE_FITS;
+    if (left % every == 0)
+        fit_box(consolidate, explore, step, survey);
+    if (left > 0)
+        growth_apply(&around, &explore->box, explore->space, &explore->sampled);
+}
+
+// A step of many variables.
+static void balance_or_try(struct consolidate *consolidate, struct explore *explore,
+                           struct explore_step *step, const struct survey *survey)
 {
     if (consolidate->trial_steps > 0)
-        go_on_with_trial(consolidate, explore, &step);
+        go_on_with_trial(consolidate, explore, step);
     else
-        balance_once(consolidate, explore, &step);
+        balance_once(consolidate, explore, step);
     consolidate->steps++;
     const uint32_t count = consolidate->step_count;
     const uint32_t settled = (uint32_t)(consolidate_settle_after * count);
     // The first trial is over before the last one starts, or does not take place.
     if (consolidate->steps == settled && count - settled > 2 * CONSOLIDATE_TRIAL_STEPS)
-        start_trial(consolidate, explore, &step, archive);
+        start_trial(consolidate, explore, step, survey);
     else if (consolidate->steps > settled)
-        settle(consolidate, explore, &step, archive);
-    return consolidate->steps == count;
+        settle(consolidate, explore, step, survey);
+}
+
+// Whether a fitted box can be had. Weights, widths and shared corridors are left to balancing.
+static bool fits(const struct explore *explore)
+{
+    const struct demands *demands = explore->demands;
+    return explore->box.count <= CONSOLIDATE_FIT_VARIABLES &&
+           (demands == NULL ||
+            (demands->tie == NULL && demands->weights == NULL && demands->minimum_widths == NULL));
+}
+
+bool consolidate_complete(struct consolidate *consolidate, struct explore *explore,
+                          struct explore_step step, const struct survey *survey)
+{
+    if (fits(explore)) {
+        consolidate->steps++;
+        fit_once(consolidate, explore, &step, survey);
+    } else {
+        balance_or_try(consolidate, explore, &step, survey);
+    }
+    return consolidate->steps == consolidate->step_count;
 }
 
 bool consolidate_resting(const struct consolidate *consolidate)

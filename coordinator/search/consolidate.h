@@ -17,6 +17,7 @@
 #define SOBOX_COORDINATOR_SEARCH_CONSOLIDATE_H
 
 #include "coordinator/search/explore.h"
+#include "coordinator/search/survey.h"
 
 struct consolidate {
     const struct box *space; // borrowed
@@ -41,9 +42,9 @@ void consolidate_start(struct consolidate *consolidate, struct explore *explore,
                        uint32_t step_count, double bad_from, double bad_to);
 
 // Takes the verdicts on explore->sampled; of `step` its bad_share and gains are filled in here.
-// `archive` holds all known bad samples. Returns whether all steps are spent.
+// `survey` holds the steps so far, this one included. Returns whether all steps are spent.
 bool consolidate_complete(struct consolidate *consolidate, struct explore *explore,
-                          struct explore_step step, const struct cloud *archive);
+                          struct explore_step step, const struct survey *survey);
 
 // Nothing more is gained: if the box is at rest, the steps left are cut down to those of a last
 // trial. Otherwise nothing happens.

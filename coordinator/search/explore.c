@@ -130,18 +130,30 @@ bool explore_whole(const struct explore *explore)
     return box_equal(&explore->box, explore->space);
 }
 
+// Product of the yields of the last `count` steps.
+static struct volume recent_yield(const struct explore *explore, uint32_t count)
+{
+    struct volume product = {.mantissa = 0.5, .exponent = 1};
+    for (uint32_t back = 1; back <= count; back++) {
+        const struct volume *yield = &explore->yield[(explore->steps - back) % EXPLORE_MEMORY];
+        int shift;
+        product.mantissa = frexp(product.mantissa * yield->mantissa, &shift);
+        product.exponent += yield->exponent + shift;
+    }
+    return product;
+}
+
 bool explore_ahead(const struct explore *a, const struct explore *b)
 {
-    struct volume products[2];
-    const struct explore *both[2] = {a, b};
-    for (int i = 0; i < 2; i++) {
-        products[i] = (struct volume){.mantissa = 0.5, .exponent = 1};
-        for (int step = 0; step < EXPLORE_MEMORY; step++) {
-            int shift;
-            const struct volume *yield = &both[i]->yield[step];
-            products[i].mantissa = frexp(products[i].mantissa * yield->mantissa, &shift);
-            products[i].exponent += yield->exponent + shift;
-        }
+    uint32_t count = a->steps < b->steps ? a->steps : b->steps;
+    count = count < EXPLORE_MEMORY ? count : EXPLORE_MEMORY;
+    // A step that found nothing good makes the product zero, which says little when both have one.
+    for (; count > 0; count--) {
+        const struct volume yields[2] = {recent_yield(a, count), recent_yield(b, count)};
+        if (volume_above(yields[0], yields[1]))
+            return true;
+        if (volume_above(yields[1], yields[0]))
+            return false;
     }
-    return volume_above(products[0], products[1]);
+    return false;
 }

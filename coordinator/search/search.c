@@ -97,7 +97,7 @@ struct search {
     // The samples of the step that is being completed.
     struct cloud good;
     struct cloud bad;
-    struct cloud archive; // bad samples of all steps since exploration began, the newest
+    struct survey survey; // the steps since exploration began, the newest
     uint32_t good_count;
     double *chunk; // (all variables x SEARCH_CHUNK)
 
@@ -273,11 +273,10 @@ static void recall(struct search *search, const struct verdict *verdicts)
 // Keeps the bad samples for good, as far as there is room.
 static void remember(struct search *search)
 {
-    for (uint32_t i = 0; i < search->bad.count; i++)
-        cloud_add(&search->archive, search->bad.values + i, search->bad.capacity,
-                  search->bad.violation[i]);
-    const uint32_t variables = search->space.count;
-    cloud_keep_newest(&search->archive, SEARCH_ARCHIVE / variables);
+    const struct box *sampled =
+        search->phase == SEARCH_PHASE_SEEK ? &search->seek.box : &current(search)->sampled;
+    survey_add(&search->survey, sampled, search->request.sampling.samples, &search->bad,
+               SEARCH_ARCHIVE / search->space.count);
 }
 
 static void count_verdicts(struct search *search, const struct verdict *verdicts)
@@ -435,7 +434,7 @@ static void cut_from_space(struct search *search)
     options.keep = search->demands.reference;
     struct box cut;
     box_init(&cut, search->space.count);
-    trim(&search->space, NULL, &search->seek.good, &search->archive, &options, &cut);
+    trim(&search->space, NULL, &search->seek.good, &search->survey.bad, &options, &cut);
     tournament_fini(&search->tournament);
     award(search, &cut);
     box_fini(&cut);
@@ -443,8 +442,7 @@ static void cut_from_space(struct search *search)
 
 static void end_explore(struct search *search)
 {
-    if (search->scenario->search.evaluations > 0 &&
-        !has_volume(&current(search)->box, &search->space))
+    if (!has_volume(&current(search)->box, &search->space))
         cut_from_space(search);
     start_consolidate(search, search->consolidation_steps, search_explore_bad);
 }
@@ -630,8 +628,7 @@ static void complete_explore(struct search *search)
 
 static void complete_consolidate(struct search *search)
 {
-    if (consolidate_complete(&search->consolidate, current(search), shown(search),
-                             &search->archive))
+    if (consolidate_complete(&search->consolidate, current(search), shown(search), &search->survey))
         start_certify(search);
     else if (consolidate_resting(&search->consolidate) && stagnates(search))
         consolidate_hasten(&search->consolidate);
@@ -684,9 +681,7 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
     count_verdicts(search, verdicts);
     recall(search, verdicts);
-    // Before exploration they matter only where it may be cut short.
-    if (phase != SEARCH_PHASE_EXPLAIN &&
-        (phase != SEARCH_PHASE_SEEK || search->scenario->search.evaluations > 0))
+    if (phase != SEARCH_PHASE_EXPLAIN)
         remember(search);
     search->step++;
     switch (phase) {
@@ -769,7 +764,7 @@ struct search *search_create(const struct scenario *scenario, uint32_t index, ui
     demands_init(&search->demands, &scenario->search, search->variables, &search->space);
     cloud_init(&search->good, search->space.count);
     cloud_init(&search->bad, search->space.count);
-    cloud_init(&search->archive, search->space.count);
+    survey_init(&search->survey, &search->space);
     search->chunk = g_new(double, (size_t)all *SEARCH_CHUNK);
     search->samples = scenario->search.samples;
     plan_steps(search);
@@ -794,7 +789,7 @@ void search_free(struct search *search)
     seek_fini(&search->seek);
     cloud_fini(&search->good);
     cloud_fini(&search->bad);
-    cloud_fini(&search->archive);
+    survey_fini(&search->survey);
     box_fini(&search->space);
     box_fini(&search->frame);
     box_fini(&search->begin);
