@@ -7,6 +7,9 @@
 
 #include <assert.h>
 
+// With fewer samples than this wanted of a block, one by one is faster.
+enum { SAMPLING_DENSE = 8 };
+
 // Lays numbers of [0, 1) over an interval. The product rounds, so the sum may land above the upper
 // bound by a bit; a fixed variable keeps its lower bound exactly.
 static void spread(const double *unit, uint32_t count, double lower, double upper, double *values)
@@ -19,27 +22,51 @@ static void spread(const double *unit, uint32_t count, double lower, double uppe
 }
 
 // Moves each number into the stratum that its sample has in this variable.
-static void stratify(const struct sampling *sampling, uint32_t variable, uint32_t first,
+static void stratify(const struct sampling *sampling, uint32_t variable, const uint32_t *index,
                      uint32_t count, double *unit)
 {
     struct stratum stratum;
     stratum_init(&stratum, sampling, variable);
     const double strata = (double)sampling->samples;
     for (uint32_t i = 0; i < count; i++)
-        unit[i] = ((double)stratum_of(&stratum, first + i) + unit[i]) / strata;
+        unit[i] = ((double)stratum_of(&stratum, index[i]) + unit[i]) / strata;
 }
 
-// Samples first .. first + count - 1 (at most UNIFORM_BLOCK) from random numbers.
-static void fill_block(const struct sampling *sampling, const struct box *box, uint32_t first,
-                       uint32_t count, double *values, size_t stride)
+// The random numbers of samples index[0] .. index[count - 1], all less than UNIFORM_BLOCK behind
+// the first: of a whole block at once, or of few one by one.
+static void draw(const struct sampling *sampling, uint32_t pair, const uint32_t *index,
+                 uint32_t count, double unit[2][UNIFORM_BLOCK])
+{
+    if (count < SAMPLING_DENSE) {
+        const uint32_t key[2] = {(uint32_t)sampling->seed, (uint32_t)(sampling->seed >> 32)};
+        for (uint32_t i = 0; i < count; i++) {
+            const uint32_t counter[4] = {pair / 2, index[i], sampling->step, 0};
+            uint32_t block[4];
+            random_philox(counter, key, block);
+            unit[0][i] = random_unit(block[0], block[1]);
+            unit[1][i] = random_unit(block[2], block[3]);
+        }
+        return;
+    }
+    uniform_block(sampling, pair, index[0], unit[0], unit[1]);
+    // Ascending, so that no number is overwritten before it is moved.
+    for (uint32_t i = 0; i < count; i++) {
+        unit[0][i] = unit[0][index[i] - index[0]];
+        unit[1][i] = unit[1][index[i] - index[0]];
+    }
+}
+
+// Samples of one block from random numbers: see draw().
+static void pick_block(const struct sampling *sampling, const struct box *box,
+                       const uint32_t *index, uint32_t count, double *values, size_t stride)
 {
     double unit[2][UNIFORM_BLOCK];
     for (uint32_t pair = 0; pair < box->count; pair += 2) {
-        uniform_block(sampling, pair, first, unit[0], unit[1]);
+        draw(sampling, pair, index, count, unit);
         for (uint32_t variable = pair; variable < pair + 2 && variable < box->count; variable++) {
             double *numbers = unit[variable - pair];
             if (sampling->method == SCENARIO_SAMPLING_LATIN_HYPERCUBE)
-                stratify(sampling, variable, first, count, numbers);
+                stratify(sampling, variable, index, count, numbers);
             spread(numbers, count, box->lower[variable], box->upper[variable],
                    values + variable * stride);
         }
@@ -47,16 +74,33 @@ static void fill_block(const struct sampling *sampling, const struct box *box, u
 }
 
 // Any number of samples from Sobol points: preparing a variable costs more than a point of it.
-static void fill_sobol(const struct sampling *sampling, const struct box *box, uint32_t first,
-                       uint32_t count, double *values, size_t stride)
+static void pick_sobol(const struct sampling *sampling, const struct box *box,
+                       const uint32_t *index, uint32_t first, uint32_t count, double *values,
+                       size_t stride)
 {
     for (uint32_t variable = 0; variable < box->count; variable++) {
         struct sobol sobol;
         sobol_init(&sobol, sampling, variable);
         double *column = values + variable * stride;
         for (uint32_t i = 0; i < count; i++)
-            column[i] = sobol_of(&sobol, first + i);
+            column[i] = sobol_of(&sobol, index != NULL ? index[i] : first + i);
         spread(column, count, box->lower[variable], box->upper[variable], column);
+    }
+}
+
+void sampling_pick(const struct sampling *sampling, const struct box *box, const uint32_t *index,
+                   uint32_t count, double *values, size_t stride)
+{
+    assert(stride >= count);
+    if (sampling->method == SCENARIO_SAMPLING_SOBOL) {
+        pick_sobol(sampling, box, index, 0, count, values, stride);
+        return;
+    }
+    uint32_t near;
+    for (uint32_t done = 0; done < count; done += near) {
+        for (near = 1; done + near < count && index[done + near] - index[done] < UNIFORM_BLOCK;)
+            near++;
+        pick_block(sampling, box, index + done, near, values + done, stride);
     }
 }
 
@@ -67,12 +111,15 @@ void sampling_fill(const struct sampling *sampling, const struct box *box, uint3
     assert(sampling->method != SCENARIO_SAMPLING_LATIN_HYPERCUBE ||
            (uint64_t)first + count <= sampling->samples);
     if (sampling->method == SCENARIO_SAMPLING_SOBOL) {
-        fill_sobol(sampling, box, first, count, values, stride);
+        pick_sobol(sampling, box, NULL, first, count, values, stride);
         return;
     }
     for (uint32_t done = 0; done < count; done += UNIFORM_BLOCK) {
-        uint32_t left = count - done;
-        fill_block(sampling, box, first + done, left < UNIFORM_BLOCK ? left : UNIFORM_BLOCK,
-                   values + done, stride);
+        const uint32_t left = count - done;
+        const uint32_t block = left < UNIFORM_BLOCK ? left : UNIFORM_BLOCK;
+        uint32_t index[UNIFORM_BLOCK];
+        for (uint32_t i = 0; i < block; i++)
+            index[i] = first + done + i;
+        pick_block(sampling, box, index, block, values + done, stride);
     }
 }

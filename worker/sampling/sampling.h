@@ -25,4 +25,9 @@ struct sampling {
 void sampling_fill(const struct sampling *sampling, const struct box *box, uint32_t first,
                    uint32_t count, double *values, size_t stride);
 
+// Fills in those samples of a step that `index` (count, ascending) names: values[variable * stride
+// + i] belongs to sample index[i]. The same bits as sampling_fill() gives it. stride >= count.
+void sampling_pick(const struct sampling *sampling, const struct box *box, const uint32_t *index,
+                   uint32_t count, double *values, size_t stride);
+
 #endif

@@ -22,6 +22,29 @@ static struct sampling sampling_of(enum scenario_sampling method, uint32_t sampl
         .seed = 42, .search = 3, .step = 17, .samples = samples, .method = method};
 }
 
+// The coordinator remakes only the samples it needs: any of them alone is what it was among all.
+static void picked_samples_are_those_of_the_step(void **state)
+{
+    (void)state;
+    static const enum scenario_sampling methods[] = {
+        SCENARIO_SAMPLING_UNIFORM, SCENARIO_SAMPLING_LATIN_HYPERCUBE, SCENARIO_SAMPLING_SOBOL};
+    enum { SAMPLES = 300, PICKED = 100 };
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        const struct sampling sampling = sampling_of(methods[m], SAMPLES);
+        static double all[VARIABLES * SAMPLES];
+        static double picked[VARIABLES * PICKED];
+        uint32_t index[PICKED];
+        for (uint32_t i = 0; i < PICKED; i++)
+            index[i] = i < 50 ? i + i / 7 : 100 + 4 * (i - 50) - i % 2;
+        sampling_fill(&sampling, &box, 0, SAMPLES, all, SAMPLES);
+        sampling_pick(&sampling, &box, index, PICKED, picked, PICKED);
+        for (uint32_t v = 0; v < VARIABLES; v++) {
+            for (uint32_t i = 0; i < PICKED; i++)
+                assert_true(picked[v * PICKED + i] == all[v * SAMPLES + index[i]]);
+        }
+    }
+}
+
 // The vector code must give what the definition in random.h gives, bit for bit: workers and
 // coordinator make the same samples apart.
 static void uniform_samples_follow_the_definition(void **state)
@@ -165,6 +188,7 @@ static void latin_hypercube_variables_are_independent(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(picked_samples_are_those_of_the_step),
         cmocka_unit_test(uniform_samples_follow_the_definition),
         cmocka_unit_test(place_in_the_run_changes_no_sample),
         cmocka_unit_test(any_part_equals_the_whole),
