@@ -137,7 +137,7 @@ void balance_move(struct balance *balance, struct box *box, const struct box *sp
     double *targets = worth(box, space, mean, step);
     // Few bad samples say little about where they come from.
     const double evidence = bad / (bad + balance_evidence);
-    const double share = (double)bad / step->samples;
+    const double share = (double)step->bad_count / step->samples;
     // Linear in the share, so that noise does not shift where it comes to rest.
     const double lack = (step->bad_share - share) / (step->bad_share + 1.0 / step->samples);
     const double volume_gain =

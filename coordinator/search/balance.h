@@ -31,7 +31,8 @@ struct balance {
 // What one step showed and how it is used.
 struct balance_step {
     uint32_t samples;        // of the step, uniform in the box
-    const struct cloud *bad; // the bad ones
+    uint32_t bad_count;      // how many of them were bad
+    const struct cloud *bad; // those, or some of them, uniform too
     double bad_share;        // to be approached
     double gain;             // how fast sides move against each other
     double volume_gain;      // how fast they move together towards bad_share

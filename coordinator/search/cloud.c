@@ -117,3 +117,14 @@ void cloud_keep_newest(struct cloud *cloud, uint32_t count)
     memmove(cloud->violation, cloud->violation + drop, count * sizeof *cloud->violation);
     cloud->count = count;
 }
+
+struct cloud cloud_newest(const struct cloud *cloud, uint32_t count)
+{
+    struct cloud view = *cloud;
+    if (count < cloud->count) {
+        view.values += cloud->count - count;
+        view.violation += cloud->count - count;
+        view.count = count;
+    }
+    return view;
+}

@@ -42,6 +42,10 @@ bool cloud_inside(const struct cloud *cloud, const struct box *box);
 // Forgets the oldest points until at most `count` are left.
 void cloud_keep_newest(struct cloud *cloud, uint32_t count);
 
+// The newest points of a cloud, at most `count`: a view that owns nothing and holds until the cloud
+// changes.
+struct cloud cloud_newest(const struct cloud *cloud, uint32_t count);
+
 // Column of a variable.
 static inline const double *cloud_column(const struct cloud *cloud, uint32_t variable)
 {

@@ -6,6 +6,7 @@
 
 enum {
     CONSOLIDATE_TRIAL_STEPS = 5,
+    CONSOLIDATE_TRIAL_BAD = 16384, // known bad samples, the newest, that a box is cut out of
     CONSOLIDATE_FIT_VARIABLES = 3, // with more of them samples are too few to fit a box to
     CONSOLIDATE_FITS = 6,          // evenly over the steps
 };
@@ -106,7 +107,8 @@ static bool cut_pure(const struct explore *explore, const struct explore_step *s
     options.keep = explore->demands != NULL ? explore->demands->reference : NULL;
     struct box pure;
     box_init(&pure, grown->count);
-    bool larger = trim(grown, best, step->good, &survey->bad, &options, &pure);
+    const struct cloud bad = cloud_newest(&survey->bad, CONSOLIDATE_TRIAL_BAD);
+    bool larger = trim(grown, best, step->good, &bad, &options, &pure);
     larger = larger && demands_meet(explore->demands, &pure, DEMANDS_TIE_INSIDE) &&
              volume_above(demands_volume(explore->demands, &pure, explore->space),
                           demands_volume(explore->demands, best, explore->space));

@@ -91,6 +91,7 @@ void explore_complete(struct explore *explore, const struct explore_step *step)
         const struct balance_step balancing = {
             .samples = step->samples,
             .bad = step->bad,
+            .bad_count = step->samples - step->good_count,
             .bad_share = step->bad_share,
             .gain = step->gain,
             .volume_gain = step->volume_gain,

@@ -32,7 +32,8 @@ struct explore {
 // What a step showed.
 struct explore_step {
     const struct cloud *good; // good samples: some, at least one if there were any
-    const struct cloud *bad;  // all bad ones
+    const struct cloud
+        *bad; // bad ones: all, or those among so many samples that more would not help
     uint32_t samples;
     uint32_t good_count;
     double bad_share; // to be approached when balancing

@@ -17,7 +17,9 @@ enum {
     SEARCH_SEEK_CHOICE = 4, // good designs sought for each start: a choice, lest a region be missed
     SEARCH_CHUNK = 1024,    // samples made at once when a step is gone through
     SEARCH_GOOD_KEPT = 512, // good samples of a step that the trim may anchor on
-    SEARCH_ARCHIVE = 1 << 23, // numbers of bad samples that are remembered: 64 MB
+    SEARCH_BAD_KEPT = 2048, // bad samples of a step that are looked at: more would not tell more
+    SEARCH_ARCHIVE = 1 << 20,     // numbers of bad samples that are remembered, and
+    SEARCH_ARCHIVE_BAD = 1 << 14, // bad samples at least
 };
 
 // The bad share that exploration aims at: enough bad samples to shape the box by.
@@ -99,7 +101,8 @@ struct search {
     struct cloud bad;
     struct survey survey; // the steps since exploration began, the newest
     uint32_t good_count;
-    double *chunk; // (all variables x SEARCH_CHUNK)
+    uint32_t looked_at; // samples of the step, the first ones, whose bad ones are all in `bad`
+    double *chunk;      // (all variables x SEARCH_CHUNK)
 
     struct box result; // all variables
 };
@@ -224,17 +227,17 @@ static void ask_next(struct search *search)
 
 // ---- the samples of the finished step
 
-// Adds samples of a chunk, chosen by index, to a cloud.
-static void gather(const struct search *search, struct cloud *cloud, const uint32_t *chosen,
-                   uint32_t count, const struct verdict *verdicts)
+// Makes chosen samples of the step again and adds them to a cloud.
+static void remake(struct search *search, const uint32_t *chosen, uint32_t count,
+                   const struct verdict *verdicts, struct cloud *cloud)
 {
+    sampling_pick(&search->request.sampling, &search->requested, chosen, count, search->chunk,
+                  SEARCH_CHUNK);
     cloud_reserve(cloud, count);
-    for (uint32_t v = 0; v < cloud->variables; v++) {
-        const double *from = search->chunk + (size_t)search->variables[v] * SEARCH_CHUNK;
-        double *column = cloud->values + (size_t)v * cloud->capacity + cloud->count;
-        for (uint32_t i = 0; i < count; i++)
-            column[i] = from[chosen[i]];
-    }
+    for (uint32_t v = 0; v < cloud->variables; v++)
+        memcpy(cloud->values + (size_t)v * cloud->capacity + cloud->count,
+               search->chunk + (size_t)search->variables[v] * SEARCH_CHUNK,
+               count * sizeof *cloud->values);
     // How badly a certificate's samples violate is known only when the box is to be explained, and
     // no box may depend on that.
     const bool known = search->phase != SEARCH_PHASE_CERTIFY;
@@ -243,31 +246,39 @@ static void gather(const struct search *search, struct cloud *cloud, const uint3
     cloud->count += count;
 }
 
-// Makes the samples of the step again and sorts them into good and bad.
+// Makes those samples of the step again that are good, or bad, until there are `most`; returns how
+// many of the step had to be looked at.
+static uint32_t remake_first(struct search *search, const struct verdict *verdicts, bool good,
+                             uint32_t most, struct cloud *cloud)
+{
+    const uint32_t samples = search->request.sampling.samples;
+    uint32_t chosen[SEARCH_CHUNK];
+    uint32_t count = 0;
+    uint32_t at = 0;
+    cloud_clear(cloud);
+    for (; at < samples && cloud->count + count < most; at++) {
+        if ((verdicts[at].violation == VERDICT_GOOD) != good)
+            continue;
+        chosen[count++] = at;
+        if (count == SEARCH_CHUNK) {
+            remake(search, chosen, count, verdicts, cloud);
+            count = 0;
+        }
+    }
+    if (count > 0)
+        remake(search, chosen, count, verdicts, cloud);
+    return at;
+}
+
+// Makes the samples of the step again that tell something, good and bad. In a step of many samples
+// the first ones are as good a choice as any: each is drawn from the same box.
 static void recall(struct search *search, const struct verdict *verdicts)
 {
-    const struct sampling *sampling = &search->request.sampling;
-    cloud_clear(&search->good);
-    cloud_clear(&search->bad);
-    search->good_count = verdict_good_count(verdicts, sampling->samples);
-    for (uint32_t first = 0; first < sampling->samples; first += SEARCH_CHUNK) {
-        uint32_t count = sampling->samples - first;
-        count = count < SEARCH_CHUNK ? count : SEARCH_CHUNK;
-        sampling_fill(sampling, &search->requested, first, count, search->chunk, SEARCH_CHUNK);
-        uint32_t good[SEARCH_CHUNK];
-        uint32_t bad[SEARCH_CHUNK];
-        uint32_t good_count = 0;
-        uint32_t bad_count = 0;
-        const uint32_t room = SEARCH_GOOD_KEPT - search->good.count;
-        for (uint32_t i = 0; i < count; i++) {
-            if (verdicts[first + i].violation != VERDICT_GOOD)
-                bad[bad_count++] = i;
-            else if (good_count < room)
-                good[good_count++] = i;
-        }
-        gather(search, &search->good, good, good_count, verdicts + first);
-        gather(search, &search->bad, bad, bad_count, verdicts + first);
-    }
+    search->good_count = verdict_good_count(verdicts, search->request.sampling.samples);
+    remake_first(search, verdicts, true, SEARCH_GOOD_KEPT, &search->good);
+    // Where nothing is good yet, the least violating sample is sought among all.
+    const uint32_t most = search->good_count > 0 ? SEARCH_BAD_KEPT : UINT32_MAX;
+    search->looked_at = remake_first(search, verdicts, false, most, &search->bad);
 }
 
 // Keeps the bad samples for good, as far as there is room.
@@ -275,8 +286,9 @@ static void remember(struct search *search)
 {
     const struct box *sampled =
         search->phase == SEARCH_PHASE_SEEK ? &search->seek.box : &current(search)->sampled;
-    survey_add(&search->survey, sampled, search->request.sampling.samples, &search->bad,
-               SEARCH_ARCHIVE / search->space.count);
+    const uint32_t most = SEARCH_ARCHIVE / search->space.count;
+    survey_add(&search->survey, sampled, search->looked_at, &search->bad,
+               most > SEARCH_ARCHIVE_BAD ? most : SEARCH_ARCHIVE_BAD);
 }
 
 static void count_verdicts(struct search *search, const struct verdict *verdicts)
@@ -639,7 +651,8 @@ static void complete_certify(struct search *search)
     const struct scenario_search *settings = &search->scenario->search;
     struct certificate *certificate = &search->certificate;
     const double bad_before = bad_share_wanted(search);
-    certificate_look(certificate, search->request.sampling.samples, search->bad.count);
+    certificate_look(certificate, search->request.sampling.samples,
+                     search->request.sampling.samples - search->good_count);
     if (certificate->lower95 >= settings->target_purity) {
         finish_box(search, SEARCH_STATUS_DONE);
         return;

@@ -19,12 +19,14 @@ void survey_fini(struct survey *survey)
     *survey = (struct survey){0};
 }
 
-// Forgets the oldest steps until what is left has room for `more` bad samples.
+// Forgets the oldest steps when there is no room for `more` bad samples: a quarter of them at once,
+// since what is left has to be moved.
 static void forget(struct survey *survey, uint32_t more, uint32_t bad_max)
 {
     uint64_t left = (uint64_t)survey->bad.count + more;
     uint32_t drop = 0;
-    while (drop < survey->step_count && left > bad_max)
+    const uint64_t kept_max = left > bad_max ? bad_max - bad_max / 4 : bad_max;
+    while (drop < survey->step_count && left > kept_max)
         left -= survey->steps[drop++].bad;
     if (drop == 0)
         return;

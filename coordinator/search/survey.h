@@ -38,8 +38,8 @@ void survey_init(struct survey *survey, const struct box *space);
 // Releases a survey. A zeroed struct is fine.
 void survey_fini(struct survey *survey);
 
-// Takes in a step: `samples` drawn from `box`, `bad` of them bad. Steps are forgotten, the oldest
-// first, until at most `bad_max` bad samples are left; the last one stays.
+// Takes in a step: `samples` drawn from `box`, `bad` of them bad. With more than
+// `bad_max` bad samples the oldest steps are forgotten, a quarter at once; the last one stays.
 void survey_add(struct survey *survey, const struct box *box, uint32_t samples,
                 const struct cloud *bad, uint32_t bad_max);
 

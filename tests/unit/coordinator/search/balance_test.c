@@ -50,6 +50,7 @@ static void sides_come_to_the_largest_shape(void **state)
         sample(&box, weights, step, &bad);
         const struct balance_step balancing = {.samples = SAMPLES,
                                                .bad = &bad,
+                                               .bad_count = bad.count,
                                                .bad_share = 0.2,
                                                .gain = 0.1,
                                                .volume_gain = 0.5,
@@ -146,6 +147,7 @@ static void flat_variable_stays(void **state)
     balance_init(&balance, 2);
     const struct balance_step balancing = {.samples = 10,
                                            .bad = &bad,
+                                           .bad_count = bad.count,
                                            .bad_share = 0.2,
                                            .gain = 0.1,
                                            .volume_gain = 1,

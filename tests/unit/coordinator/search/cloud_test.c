@@ -50,9 +50,23 @@ static void inside_keeps_what_the_box_contains(void **state)
     cloud_fini(&some);
 }
 
+// The view holds the last points and leaves the cloud alone.
+static void newest_points_are_a_view(void **state)
+{
+    (void)state;
+    struct cloud cloud = CLOUD(2, 1, 10, 2, 20, 3, 30);
+    const struct cloud newest = cloud_newest(&cloud, 2);
+    assert_int_equal(newest.count, 2);
+    assert_true(cloud_column(&newest, 0)[0] == 2 && cloud_column(&newest, 1)[1] == 30);
+    assert_int_equal(cloud_newest(&cloud, 5).count, 3);
+    assert_int_equal(cloud.count, 3);
+    cloud_fini(&cloud);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(newest_points_are_a_view),
         cmocka_unit_test(points_survive_growth),
         cmocka_unit_test(inside_keeps_what_the_box_contains),
     };
