@@ -275,6 +275,8 @@ static uint32_t remake_first(struct search *search, const struct verdict *verdic
 static void recall(struct search *search, const struct verdict *verdicts)
 {
     search->good_count = verdict_good_count(verdicts, search->request.sampling.samples);
+    if (search->phase == SEARCH_PHASE_EXPLAIN)
+        return; // it makes its own again
     remake_first(search, verdicts, true, SEARCH_GOOD_KEPT, &search->good);
     // Where nothing is good yet, the least violating sample is sought among all.
     const uint32_t most = search->good_count > 0 ? SEARCH_BAD_KEPT : UINT32_MAX;
