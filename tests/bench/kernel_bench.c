@@ -11,7 +11,8 @@
 // `case` is spring pairs x points of a curve @ time step, with `-events` for event Verlet, else
 // central difference. Floating-point operations are counted as the kernel does them, a fused
 // multiply-add as two, a division as one, comparisons and choices not; of event Verlet what central
-// difference does.
+// difference does. `-lean` leaves the springs' work out. Steps of free flight, which the kernel
+// skips, count as if it took them, and so does the work.
 #include "worker/kinematics/kinematics.h"
 
 #include <glib.h>
