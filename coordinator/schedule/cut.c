@@ -38,7 +38,7 @@ static double cut_worth_ns(const struct roster *roster, const struct backlog_ste
                            uint32_t search_count, double sample_ns)
 {
     const double message_ns = (double)roster->settings->message_ns;
-    const double most_ns = roster->heard.length * message_ns;
+    const double most_ns = (double)roster_turn_ns(roster);
     const double best_ns = search_count * sqrt(step->samples * sample_ns * message_ns);
     return fmax(CUT_WORTH_NS, fmin(most_ns, best_ns));
 }

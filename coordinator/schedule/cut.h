@@ -12,7 +12,8 @@
 //       work, side by side     work / k
 //
 //   With n searches n steps share the loop, and parts n times as long are right, up to where the
-//   loop has a message for every worker: workers x message. At least it is CUT_WORTH_NS.
+//   loop has a batch for every worker in half of its time: roster_turn_ns(). At least it is
+//   CUT_WORTH_NS.
 // A share above the greatest batch is cut into equal batches. Counts are multiples of CUT_LANES,
 // and a small rest goes with the last batch.
 #ifndef SOBOX_COORDINATOR_SCHEDULE_CUT_H

@@ -47,6 +47,7 @@ struct lease {
     uint64_t order;  // among all leases
     int64_t start_ns;
     int64_t slept_ns;   // the book's, then
+    uint32_t samples;   // of its batch
     int64_t cost_ns;    // its work, as one core is thought to do it
     int64_t ahead_ns;   // likewise: work the worker had before it
     int64_t overdue_ns; // when its outcome is overdue, if all goes as it did so far

@@ -14,6 +14,7 @@ enum {
     ROSTER_CALM_DIVISOR = 16,     // see roster_hurry()
     ROSTER_QUEUE_MAX = 65536,     // what a worker may claim to have waiting
     ROSTER_THREADS_MAX = 4096,    // and to compute with: more than any machine has
+    ROSTER_LANES = 8,             // samples in a vector of doubles (AVX-512)
 };
 
 // What a rate is counted in: what one core is thought to do. Rates are integers so that the total
@@ -83,10 +84,14 @@ double roster_service(const struct roster *roster, const struct roster_worker *w
     return (roster->core.measured ? roster->core.mean : 1) / worker->threads;
 }
 
+int64_t roster_turn_ns(const struct roster *roster)
+{
+    return 2 * roster->settings->message_ns * (int64_t)roster->heard.length;
+}
+
 int64_t roster_target_ns(const struct roster *roster)
 {
-    const struct schedule_settings *settings = roster->settings;
-    return MAX(settings->batch_target_ns, settings->message_ns * (int64_t)roster->heard.length);
+    return MAX(roster->settings->batch_target_ns, roster_turn_ns(roster));
 }
 
 // How long it will be busy with what it has: our batches, and other coordinators' as if they were
@@ -99,7 +104,8 @@ static double worker_load_ns(const struct roster *roster, const struct roster_wo
 }
 
 // Two batches hide the round trip: one in work, one waiting. More are needed only where they are
-// known to be short: up to two batches' target time.
+// known to be short: up to two batches' target time; or small: a vector of samples is computed by
+// one thread, so two vectors for each.
 static bool worker_room(const struct roster *roster, const struct roster_worker *worker)
 {
     if (worker->state != ROSTER_WORKING || worker->lease_count >= roster->settings->window_max)
@@ -108,7 +114,9 @@ static bool worker_room(const struct roster *roster, const struct roster_worker 
         return worker->lease_count == 0;
     if (worker->lease_count < 2)
         return true;
-    return worker->service.measured &&
+    if (!worker->service.measured)
+        return false;
+    return worker->samples < 2 * ROSTER_LANES * worker->threads ||
            (double)worker->load_ns * worker->service.mean < 2 * (double)roster_target_ns(roster);
 }
 
@@ -228,6 +236,7 @@ void roster_hold(struct roster *roster, struct roster_worker *worker, struct lea
 {
     assert(worker->lease_count < roster->settings->window_max);
     worker->leases[worker->lease_count++] = lease;
+    worker->samples += lease->samples;
     worker->load_ns += lease->cost_ns;
     roster_rank(roster, worker);
 }
@@ -240,6 +249,7 @@ void roster_drop(struct roster *roster, struct roster_worker *worker, struct lea
         assert(index < worker->lease_count);
     }
     worker->leases[index] = worker->leases[--worker->lease_count];
+    worker->samples -= lease->samples;
     worker->load_ns -= lease->cost_ns;
     worker->late_count -= lease->late;
     assert(worker->lease_count > 0 || worker->load_ns == 0);

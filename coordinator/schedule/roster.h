@@ -77,6 +77,7 @@ struct roster_worker {
     struct lease **leases; // (lease_count) of at most window_max
     uint32_t lease_count;
     uint32_t late_count; // of these
+    uint32_t samples;    // in them
     int64_t load_ns;     // the work in them, as one core is thought to do it
 
     // Its places in the roster.
@@ -158,8 +159,11 @@ bool roster_stalled(const struct roster_worker *worker);
 // 1 / threads.
 double roster_service(const struct roster *roster, const struct roster_worker *worker);
 
-// How long a batch should take: batch_target_ns, but with so many workers that one loop could not
-// give each a batch in that time, as long as it takes to do so.
+// How long the coordinator's loop takes to give each worker a batch and to take its outcome in,
+// with half of its time.
+int64_t roster_turn_ns(const struct roster *roster);
+
+// How long a batch should take: batch_target_ns, or a turn if that is longer.
 int64_t roster_target_ns(const struct roster *roster);
 
 // The working worker with room that has least to do; `other` (may be NULL) only when there is no

@@ -1233,8 +1233,9 @@ static void step_of_one_search_is_split_as_far_as_messages_are_worth_it(void **s
     assert_counts(200, 208);
 }
 
-// A hundred workers and many searches: the loop can send a batch to each worker in 2 ms, so that is
-// what a batch should take, though fewer steps are open than there are workers.
+// A hundred workers and many searches: with half of its time the loop can send a batch to each
+// worker in 4 ms, so that is what a batch should take, though fewer steps are open than there are
+// workers.
 static void batches_of_many_searches_are_worth_a_message_for_each_worker(void **state)
 {
     (void)state;
@@ -1248,9 +1249,9 @@ static void batches_of_many_searches_are_worth_a_message_for_each_worker(void **
     const size_t before = desk.sent_count;
     for (uint32_t search = 20; search < 23; search++)
         want(search, 0, 20000, 1000);
-    assert_in_range(desk.sent_count - before, 24, 36);
+    assert_in_range(desk.sent_count - before, 12, 18);
     for (size_t i = before; i < desk.sent_count; i++)
-        assert_in_range(desk.sent[i].batch.count, 1000, 3000);
+        assert_in_range(desk.sent[i].batch.count, 2000, 6000);
 }
 
 // Thousands of workers: the time a batch should take grows with them, beyond batch_target_ns.
@@ -1269,7 +1270,21 @@ static void batches_grow_with_the_workers(void **state)
         want(search, 0, 60000, 1000);
     assert_true(desk.sent_count > before);
     for (size_t i = before; i < desk.sent_count; i++)
-        assert_in_range(desk.sent[i].batch.count, 15000, 20000);
+        assert_in_range(desk.sent[i].batch.count, 20000, 40000);
+}
+
+// Small batches of a slow model on many threads: a vector of samples is computed by one thread, so
+// more than two such batches must be there for all threads to have one, and as many wait.
+static void window_holds_vectors_for_all_threads(void **state)
+{
+    (void)state;
+    happen(announcement(1, 16));
+    want(0, 0, 8, 0);
+    desk.now_ns += 16 * MS;
+    answer(desk.sent[0], 16 * MS);
+    for (uint32_t search = 1; search <= 60; search++)
+        want(search, 0, 8, 0);
+    assert_int_equal(desk.sent_count, 1 + 2 * 16);
 }
 
 // Thousands of workers announce themselves less often, so that they do not drown in each other's
@@ -1295,6 +1310,7 @@ int main(void)
         TEST(step_of_one_search_is_split_as_far_as_messages_are_worth_it),
         TEST(batches_of_many_searches_are_worth_a_message_for_each_worker),
         TEST(batches_grow_with_the_workers),
+        TEST(window_holds_vectors_for_all_threads),
         TEST(thousands_of_workers_may_be_silent_for_longer),
         TEST(step_is_done_when_all_samples_are_counted),
         TEST(batches_cover_the_step_once),
