@@ -394,9 +394,8 @@ static enum status run_on_wire(const struct job *job, const struct options *opti
     if (status == STATUS_OK) {
         const struct coordinator_settings coordinator = {
             .url = url, .children = children, .open = options->url != NULL, .threads = threads};
-        status = job->evaluate != NULL
-                     ? evaluate_run(job->evaluate, wire, &coordinator, error)
-                     : coordinator_run(job->run, wire, sender, &coordinator, error);
+        status = job->evaluate != NULL ? evaluate_run(job->evaluate, wire, &coordinator, error)
+                                       : coordinator_run(job->run, wire, &coordinator, error);
     }
     worker_stop(worker);
     wire_close(wire);

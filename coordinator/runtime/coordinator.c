@@ -2,8 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
-#include "common/wire/source.h"
-#include "coordinator/runtime/deadline.h"
+#include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
@@ -15,41 +14,21 @@
 
 #include "sobox_outcome_batch_t.h"
 #include "sobox_sample_batch_t.h"
-#include "sobox_text_request_t.h"
-#include "sobox_text_t.h"
-#include "sobox_worker_status_t.h"
 
-#include <assert.h>
-#include <glib-unix.h>
 #include <glib.h>
 #include <string.h>
 
 enum {
     OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
     STATUS_INTERVAL_MS = 1000,
-    TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
-    // A signal to the whole process group (Ctrl-C, scancel, systemctl stop) may end the local
-    // workers before it reaches the coordinator, which then is interrupted and not abandoned. One
-    // process hears it some milliseconds after another; on a busy machine it may be a hundred.
-    ABANDONED_WAIT_MS = 1000,
 };
 
 _Static_assert((int)OPENING_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
 
-// Nobody has answered for so long: say what is being waited for.
-static const int64_t WAIT_NOTE_NS = CLOCK_SECOND_NS;
-// The same text is not sent again within this time: what one worker asked for, all hear.
-static const int64_t TEXT_REPEAT_NS = 20 * CLOCK_MILLISECOND_NS;
-
 struct coordinator {
     struct run *run;
     struct wire *wire;
-    uint64_t sender;
-    const struct coordinator_settings *settings;
-    struct digest fingerprint;
-    struct schedule *schedule;
-    struct schedule_effects effects;
-    struct texts *texts;
+    struct crew *crew;
     struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
     GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
@@ -57,28 +36,14 @@ struct coordinator {
     struct tell *tell;
     struct pool *trimmer; // NULL in a run of one search, which trims where it stands
     GSource *opener;      // runs once to see whether another search may be opened
-    GMainLoop *loop;
-    struct deadline *wake; // of the schedule
-    int64_t waiting_ns;    // since when no worker is there; 0 while there is one
-    bool wait_said;
-    guint abandoned;    // a timer, once all local workers have ended; 0 before
-    enum status status; // why the loop ended
     struct error *error;
 };
 
-// Ends the main loop. The first reason stands.
-static void stop(struct coordinator *coordinator, enum status status)
-{
-    if (coordinator->status == STATUS_OK)
-        coordinator->status = status;
-    g_main_loop_quit(coordinator->loop);
-}
+// ---- Batches ----
 
-// ---- Effects of the schedule ----
-
-static void send_batch(struct coordinator *coordinator, uint64_t worker,
-                       const struct schedule_batch *batch)
+static void send_batch(void *user, uint64_t worker, const struct schedule_batch *batch)
 {
+    struct coordinator *coordinator = user;
     const struct run_search *search = coordinator->run->open[batch->search];
     const struct search_request *request = &search->request;
     const uint32_t variables = search->scenario.design_space.count;
@@ -107,43 +72,24 @@ static void send_batch(struct coordinator *coordinator, uint64_t worker,
     (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
 }
 
-static void carry_out(struct coordinator *coordinator)
+static void count_batch(void *user, const struct schedule_batch *batch)
 {
-    const struct schedule_effects *effects = &coordinator->effects;
-    for (size_t i = 0; i < effects->count; i++) {
-        const struct schedule_effect *effect = &effects->items[i];
-        switch (effect->kind) {
-        case SCHEDULE_EFFECT_SEND:
-            send_batch(coordinator, effect->send.worker, &effect->send.batch);
-            break;
-        case SCHEDULE_EFFECT_COUNT: {
-            const struct schedule_batch *batch = &effect->count.batch;
-            memcpy(coordinator->run->open[batch->search]->verdicts + batch->first,
-                   coordinator->unpacked, batch->count * sizeof(struct verdict));
-            break;
-        }
-        case SCHEDULE_EFFECT_STEP:
-            g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(effect->step.search));
-            break;
-        case SCHEDULE_EFFECT_NOTE:
-            log_note("%s", effect->note);
-            break;
-        }
-    }
-    deadline_set(coordinator->wake, effects->wake_ns);
+    const struct coordinator *coordinator = user;
+    memcpy(coordinator->run->open[batch->search]->verdicts + batch->first, coordinator->unpacked,
+           batch->count * sizeof(struct verdict));
 }
 
-static void schedule_take(struct coordinator *coordinator, struct schedule_event *event)
+static void step_sampled(void *user, uint32_t search, uint32_t step)
 {
-    event->now_ns = clock_monotonic_ns();
-    schedule_step(coordinator->schedule, event, &coordinator->effects);
-    carry_out(coordinator);
+    (void)step;
+    struct coordinator *coordinator = user;
+    g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(search));
 }
 
 static void tell_run_state(struct coordinator *coordinator, enum tell_state state)
 {
     struct schedule_counters counters;
-    schedule_counters(coordinator->schedule, &counters);
+    crew_counters(coordinator->crew, &counters);
     tell_run(coordinator->tell, state, &counters);
 }
 
@@ -154,7 +100,7 @@ static void leave(struct coordinator *coordinator, uint32_t index)
 {
     const struct scenario *scenario = &coordinator->run->open[index]->scenario;
     tell_end(coordinator->tell, coordinator->run->open[index]);
-    texts_remove(coordinator->texts, &scenario->digest);
+    texts_remove(crew_texts(coordinator->crew), &scenario->digest);
     opening_close(&coordinator->opening, scenario);
     run_close(coordinator->run, index);
     g_source_set_ready_time(coordinator->opener, 0);
@@ -173,16 +119,10 @@ static enum status go_on(struct coordinator *coordinator, uint32_t index)
         leave(coordinator, index);
         return STATUS_OK;
     }
-    texts_add(coordinator->texts, &search->box, search->bounds,
+    texts_add(crew_texts(coordinator->crew), &search->box, search->bounds,
               2 * (size_t)search->scenario.design_space.count * sizeof(double));
-    schedule_take(coordinator, &(struct schedule_event){
-                                   .kind = SCHEDULE_EVENT_STEP,
-                                   .step = {
-                                       .search = index,
-                                       .step = search->request.sampling.step,
-                                       .samples = search->request.sampling.samples,
-                                       .share_only = search->request.detail == VERDICT_DETAIL_SHARE,
-                                   }});
+    crew_step(coordinator->crew, index, search->request.sampling.step,
+              search->request.sampling.samples, search->request.detail == VERDICT_DETAIL_SHARE);
     return STATUS_OK;
 }
 
@@ -205,7 +145,7 @@ static enum status advance(struct coordinator *coordinator)
         struct run_search *search = run->open[index];
         enum status status = STATUS_OK;
         if (search->active) {
-            texts_remove(coordinator->texts, &search->box);
+            texts_remove(crew_texts(coordinator->crew), &search->box);
             search->active = false;
             if (coordinator->trimmer != NULL) {
                 pool_take(coordinator->trimmer, search);
@@ -226,7 +166,7 @@ static void advance_or_stop(struct coordinator *coordinator)
 {
     enum status status = advance(coordinator);
     if (status != STATUS_OK || run_finished(coordinator->run))
-        stop(coordinator, status);
+        crew_stop(coordinator->crew, status);
 }
 
 // Steps that other threads have trimmed. They are written as one, and only then go on: what has
@@ -259,7 +199,7 @@ static void heard_trimmed(void *user, GPtrArray *searches)
     struct coordinator *coordinator = user;
     enum status status = take_trimmed(coordinator, searches);
     if (status != STATUS_OK)
-        stop(coordinator, status);
+        crew_stop(coordinator->crew, status);
     else
         advance_or_stop(coordinator);
     g_source_set_ready_time(coordinator->opener, 0);
@@ -269,7 +209,7 @@ static void heard_trimmed(void *user, GPtrArray *searches)
 static bool room_for_search(const struct coordinator *coordinator)
 {
     struct schedule_counters counters;
-    schedule_counters(coordinator->schedule, &counters);
+    crew_counters(coordinator->crew, &counters);
     const double trims =
         coordinator->trimmer != NULL ? pool_load(coordinator->trimmer) : OPENING_TRIMS_MAX;
     return opening_wanted(&coordinator->opening, &counters, trims);
@@ -293,13 +233,15 @@ static enum status open_search(struct coordinator *coordinator)
     }
     const struct scenario *scenario = &run->open[index]->scenario;
     opening_open(&coordinator->opening, scenario);
-    texts_add(coordinator->texts, &scenario->digest, scenario->text, scenario->text_size);
+    texts_add(crew_texts(coordinator->crew), &scenario->digest, scenario->text,
+              scenario->text_size);
     g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(index));
     return STATUS_OK;
 }
 
-static void open_when_hungry(struct coordinator *coordinator)
+static void open_when_hungry(void *user)
 {
+    struct coordinator *coordinator = user;
     uint32_t index;
     if (run_waiting(coordinator->run, &index) && room_for_search(coordinator))
         g_source_set_ready_time(coordinator->opener, 0);
@@ -310,7 +252,7 @@ static gboolean opening(gpointer user)
     struct coordinator *coordinator = user;
     enum status status = open_search(coordinator);
     if (status != STATUS_OK)
-        stop(coordinator, status);
+        crew_stop(coordinator->crew, status);
     else
         advance_or_stop(coordinator);
     return G_SOURCE_CONTINUE;
@@ -343,115 +285,26 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
         log_debug("an outcome of step %d does not unpack", message->step);
         return;
     }
-    schedule_take(coordinator,
-                  &(struct schedule_event){.kind = SCHEDULE_EVENT_OUTCOME,
-                                           .outcome = {
-                                               .worker = (uint64_t)message->header.sender,
-                                               .batch =
-                                                   {
-                                                       .search = (uint32_t)message->search,
-                                                       .step = (uint32_t)message->step,
-                                                       .batch = (uint32_t)message->batch,
-                                                       .attempt = (uint32_t)message->attempt,
-                                                       .first = (uint32_t)message->first,
-                                                       .count = (uint32_t)message->count,
-                                                   },
-                                               .queue = (uint32_t)message->queue,
-                                               .service_ns = message->service_ns,
-                                           }});
+    const struct schedule_batch batch = {
+        .search = (uint32_t)message->search,
+        .step = (uint32_t)message->step,
+        .batch = (uint32_t)message->batch,
+        .attempt = (uint32_t)message->attempt,
+        .first = (uint32_t)message->first,
+        .count = (uint32_t)message->count,
+    };
+    crew_outcome(coordinator->crew, (uint64_t)message->header.sender, &batch,
+                 (uint32_t)message->queue, message->service_ns);
     advance_or_stop(coordinator);
     open_when_hungry(coordinator);
 }
 
-static void heard_worker(void *user, enum wire_kind kind, const void *bytes)
-{
-    (void)kind;
-    struct coordinator *coordinator = user;
-    const sobox_worker_status_t *message = bytes;
-    struct schedule_event event = {
-        .kind = SCHEDULE_EVENT_WORKER,
-        .worker = {
-            .id = (uint64_t)message->header.sender,
-            .threads = (uint32_t)message->threads,
-            .queue = (uint32_t)message->queue,
-            .leaving = message->leaving != 0,
-            .acceptable =
-                memcmp(message->fingerprint, coordinator->fingerprint.bytes, DIGEST_SIZE) == 0,
-        }};
-    g_snprintf(event.worker.name, sizeof event.worker.name, "%.63s/%d", (const char *)message->host,
-               message->process);
-    schedule_take(coordinator, &event);
-    open_when_hungry(coordinator);
-}
-
-static void heard_text_request(void *user, enum wire_kind kind, const void *bytes)
-{
-    (void)kind;
-    struct coordinator *coordinator = user;
-    const sobox_text_request_t *message = bytes;
-    if (!ours(coordinator, &message->header))
-        return;
-    struct digest digest;
-    memcpy(digest.bytes, message->digest, DIGEST_SIZE);
-    size_t total = 0;
-    const uint8_t *text = texts_ask(coordinator->texts, &digest, (size_t)message->offset,
-                                    clock_monotonic_ns(), TEXT_REPEAT_NS, &total);
-    if (text == NULL)
-        return;
-    const size_t piece_max = wire_payload_max(coordinator->wire, WIRE_TEXT);
-    size_t offset = (size_t)message->offset;
-    for (int piece = 0; piece < TEXT_PIECES_MAX && offset < total; piece++) {
-        const size_t size = MIN(piece_max, total - offset);
-        sobox_text_t answer = {
-            .header.run = message->header.run,
-            .total_size = (int32_t)total,
-            .offset = (int32_t)offset,
-            .piece_size = (int32_t)size,
-            .piece = (uint8_t *)text + offset,
-        };
-        memcpy(answer.digest, digest.bytes, DIGEST_SIZE);
-        (void)!wire_publish(coordinator->wire, WIRE_TEXT, &answer);
-        offset += size;
-    }
-}
-
 // ---- Timers ----
 
-static void woken(void *user)
+static void tell_status(void *user, const struct schedule_counters *counters, bool waiting)
 {
-    schedule_take(user, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
-}
-
-// Says for what the coordinator waits when no worker is there, once per wait.
-static void look_for_workers(struct coordinator *coordinator, uint32_t workers)
-{
-    const int64_t now_ns = clock_monotonic_ns();
-    if (workers > 0) {
-        coordinator->waiting_ns = 0;
-        coordinator->wait_said = false;
-        return;
-    }
-    if (coordinator->waiting_ns == 0)
-        coordinator->waiting_ns = now_ns;
-    if (coordinator->wait_said || now_ns - coordinator->waiting_ns < WAIT_NOTE_NS)
-        return;
-    coordinator->wait_said = true;
-    if (coordinator->settings->open)
-        log_note("waiting for a worker: start one on this or another machine with "
-                 "'sobox-worker --url \"%s\"'",
-                 coordinator->settings->url);
-    else
-        log_note("waiting for the local workers to answer");
-}
-
-static gboolean tell_status(gpointer user)
-{
-    struct coordinator *coordinator = user;
-    struct schedule_counters counters;
-    schedule_counters(coordinator->schedule, &counters);
-    look_for_workers(coordinator, counters.workers);
-    tell_run(coordinator->tell, counters.workers > 0 ? TELL_RUNNING : TELL_WAITING, &counters);
-    return G_SOURCE_CONTINUE;
+    const struct coordinator *coordinator = user;
+    tell_run(coordinator->tell, waiting ? TELL_WAITING : TELL_RUNNING, counters);
 }
 
 static gboolean tell_of_searches(gpointer user)
@@ -464,63 +317,12 @@ static gboolean show_progress(gpointer user)
 {
     struct coordinator *coordinator = user;
     struct schedule_counters counters;
-    schedule_counters(coordinator->schedule, &counters);
+    crew_counters(coordinator->crew, &counters);
     progress_show(&coordinator->progress, coordinator->run, &counters, clock_monotonic_ns());
     return G_SOURCE_CONTINUE;
 }
 
-static gboolean interrupted(gpointer user)
-{
-    struct coordinator *coordinator = user;
-    if (coordinator->status != STATUS_OK)
-        return G_SOURCE_CONTINUE;
-    error_set(coordinator->error, STATUS_INTERRUPTED,
-              "interrupted; continue with 'sobox-coordinator --resume %s'",
-              coordinator->run->directory);
-    stop(coordinator, STATUS_INTERRUPTED);
-    return G_SOURCE_CONTINUE;
-}
-
-static gboolean give_up(gpointer user)
-{
-    struct coordinator *coordinator = user;
-    coordinator->abandoned = 0;
-    if (coordinator->status == STATUS_OK)
-        stop(coordinator, error_set(coordinator->error, STATUS_FAILED,
-                                    "all local workers have ended; continue with "
-                                    "'sobox-coordinator --resume %s'",
-                                    coordinator->run->directory));
-    return G_SOURCE_REMOVE;
-}
-
-static void child_ended(void *user, uint32_t alive)
-{
-    struct coordinator *coordinator = user;
-    if (alive == 0 && !coordinator->settings->open)
-        coordinator->abandoned = g_timeout_add(ABANDONED_WAIT_MS, give_up, coordinator);
-}
-
 // ---- Life ----
-
-static enum status subscribe(struct coordinator *coordinator)
-{
-    static const struct {
-        enum wire_kind kind;
-        wire_handler *handler;
-    } handlers[] = {
-        {WIRE_OUTCOME_BATCH, heard_outcome},
-        {WIRE_TEXT_REQUEST, heard_text_request},
-        {WIRE_WORKER_STATUS, heard_worker},
-    };
-    for (size_t i = 0; i < G_N_ELEMENTS(handlers); i++) {
-        enum status status = wire_subscribe(coordinator->wire, handlers[i].kind,
-                                            handlers[i].handler, coordinator, coordinator->error);
-        if (status != STATUS_OK)
-            return status;
-    }
-    wire_source_attach(coordinator->wire);
-    return STATUS_OK;
-}
 
 static struct schedule_settings schedule_settings(struct wire *wire)
 {
@@ -584,70 +386,63 @@ static void timed_source_end(GSource *source)
     g_source_unref(source);
 }
 
-// Runs the main loop with its timers and signals until something stops it.
-static void loop(struct coordinator *coordinator)
+// Runs the main loop with the timers of searches until something stops it.
+static enum status loop(struct coordinator *coordinator)
 {
     coordinator->opener = timed_source(coordinator, opening);
-    guint timers[5] = {
-        g_timeout_add(STATUS_INTERVAL_MS, tell_status, coordinator),
-        g_timeout_add(TELL_TICK_MS, tell_of_searches, coordinator),
-        g_unix_signal_add(SIGINT, interrupted, coordinator),
-        g_unix_signal_add(SIGTERM, interrupted, coordinator),
-    };
+    guint timers[2] = {g_timeout_add(TELL_TICK_MS, tell_of_searches, coordinator)};
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)
-        timers[4] =
+        timers[1] =
             g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, coordinator);
 
-    tell_run_state(coordinator, TELL_RUNNING);
     g_source_set_ready_time(coordinator->opener, 0);
-    if (!run_finished(coordinator->run))
-        g_main_loop_run(coordinator->loop);
+    if (run_finished(coordinator->run))
+        crew_stop(coordinator->crew, STATUS_OK);
+    const enum status status =
+        crew_run(coordinator->crew, coordinator->run->directory, coordinator->error);
 
-    if (coordinator->abandoned != 0)
-        g_source_remove(coordinator->abandoned);
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i] != 0)
             g_source_remove(timers[i]);
     }
     timed_source_end(coordinator->opener);
     progress_end(&coordinator->progress);
+    return status;
 }
 
-enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
+enum status coordinator_run(struct run *run, struct wire *wire,
                             const struct coordinator_settings *settings, struct error *error)
 {
+    static const struct crew_calls calls = {
+        .send = send_batch,
+        .count = count_batch,
+        .finished = step_sampled,
+        .status = tell_status,
+        .room = open_when_hungry,
+    };
     const struct schedule_settings schedule = schedule_settings(wire);
     const struct digest fingerprint = fingerprint_compute();
     struct coordinator coordinator = {
         .run = run,
         .wire = wire,
-        .sender = sender,
-        .settings = settings,
-        .fingerprint = fingerprint,
-        .schedule = schedule_create(&schedule),
-        .texts = texts_create(),
         .tell = tell_create(run, wire, &fingerprint),
         .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
         .ready = G_QUEUE_INIT,
         .opening = opening_default(),
-        .loop = g_main_loop_new(NULL, FALSE),
         .error = error,
     };
-    coordinator.wake = deadline_create(woken, &coordinator);
-    assert(coordinator.wake != NULL);
-    if (settings->children != NULL)
-        children_watch(settings->children, child_ended, &coordinator);
-
-    coordinator.status = subscribe(&coordinator);
-    if (coordinator.status == STATUS_OK && run->record.search_count > 1)
-        coordinator.status = pool_create(&coordinator.trimmer, settings->threads, trim,
-                                         heard_trimmed, &coordinator, error);
-    if (coordinator.status == STATUS_OK)
-        loop(&coordinator);
+    enum status status = crew_create(&coordinator.crew, wire, run->record.id, settings, &schedule,
+                                     &calls, &coordinator, error);
+    if (status == STATUS_OK)
+        status = wire_subscribe(wire, WIRE_OUTCOME_BATCH, heard_outcome, &coordinator, error);
+    if (status == STATUS_OK && run->record.search_count > 1)
+        status = pool_create(&coordinator.trimmer, settings->threads, trim, heard_trimmed,
+                             &coordinator, error);
+    if (status == STATUS_OK)
+        status = loop(&coordinator);
     pool_free(coordinator.trimmer);
 
-    enum status status = coordinator.status;
     const bool all_done = run->done_count == run->record.search_count;
     struct error unwritten = {0};
     if (run_end(run, journal_state_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
@@ -656,15 +451,11 @@ enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
         *error = unwritten;
         status = unwritten.status;
     }
-    tell_run_state(&coordinator, state_after(status, all_done));
-    wire_source_detach(wire);
+    if (coordinator.crew != NULL)
+        tell_run_state(&coordinator, state_after(status, all_done));
     g_queue_clear(&coordinator.ready);
-    g_main_loop_unref(coordinator.loop);
-    deadline_free(coordinator.wake);
-    schedule_effects_fini(&coordinator.effects);
-    schedule_free(coordinator.schedule);
+    crew_free(coordinator.crew);
     tell_free(coordinator.tell);
-    texts_free(coordinator.texts);
     g_free(coordinator.unpacked);
     return status;
 }

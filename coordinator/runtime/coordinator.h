@@ -20,11 +20,11 @@ struct coordinator_settings {
 
 // Works on `run` until every search chosen for this session is done or has failed, a signal
 // (SIGINT, SIGTERM) ends it, or it fails. Of many searches as many are open at once as keep the
-// workers and the trimming threads busy; the rest wait. `wire` was opened with `sender`;
+// workers and the trimming threads busy; the rest wait. The wire's
 // subscriptions and the main loop are the coordinator's. The journal's state is written before it
 // returns. Errors: STATUS_INTERRUPTED, STATUS_IO (journal), STATUS_NETWORK, STATUS_FAILED (no
 // worker left).
-enum status coordinator_run(struct run *run, struct wire *wire, uint64_t sender,
+enum status coordinator_run(struct run *run, struct wire *wire,
                             const struct coordinator_settings *settings,
                             struct error *error) MUST_USE;
 

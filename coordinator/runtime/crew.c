@@ -2,12 +2,10 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
-#include "common/base/watch.h"
 #include "common/wire/source.h"
-#include "coordinator/runtime/texts.h"
+#include "coordinator/runtime/deadline.h"
 #include "worker/batch/fingerprint.h"
 
-#include "sobox_run_status_t.h"
 #include "sobox_text_request_t.h"
 #include "sobox_text_t.h"
 #include "sobox_worker_status_t.h"
@@ -15,13 +13,13 @@
 #include <assert.h>
 #include <glib-unix.h>
 #include <string.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 enum {
     STATUS_INTERVAL_MS = 1000,
     TEXT_PIECES_MAX = 64, // answered to one request; the worker asks on from there
-    // A signal to the whole process group may end the local workers before it reaches this process.
+    // A signal to the whole process group (Ctrl-C, scancel, systemctl stop) may end the local
+    // workers before it reaches the coordinator, which then is interrupted and not abandoned. One
+    // process hears it some milliseconds after another; on a busy machine it may be a hundred.
     ABANDONED_WAIT_MS = 1000,
 };
 
@@ -30,12 +28,8 @@ static const int64_t WAIT_NOTE_NS = CLOCK_SECOND_NS;
 // The same text is not sent again within this time: what one worker asked for, all hear.
 static const int64_t TEXT_REPEAT_NS = 20 * CLOCK_MILLISECOND_NS;
 
-// As run_status_t.lcm has them.
-enum { RUNNING = 0, WAITING = 1, DONE = 2, INTERRUPTED = 3, FAILED = 4 };
-
 struct crew {
     struct wire *wire;
-    const char *name;
     uint64_t run;
     const struct coordinator_settings *settings;
     const struct crew_calls *calls;
@@ -46,13 +40,11 @@ struct crew {
     struct texts *texts;
     GArray *finished; // steps (search, step) that wait to be told of
     GMainLoop *loop;
-    int wake;        // a timer for the schedule's next deadline
-    int64_t wake_ns; // which it is set to; INT64_MAX: to none
-    int64_t started_ns;
-    int64_t waiting_ns; // since when no worker is there; 0 while there is one
+    struct deadline *wake; // of the schedule
+    int64_t waiting_ns;    // since when no worker is there; 0 while there is one
     bool wait_said;
-    guint abandoned;    // a timer, once all local workers have ended; 0 before
-    const char *reason; // how to continue, for messages
+    guint abandoned;       // a timer, once all local workers have ended; 0 before
+    const char *directory; // of the run, for messages
     bool stopped;
     enum status status; // why the loop ended
     struct error *error;
@@ -72,20 +64,6 @@ void crew_stop(struct crew *crew, enum status status)
 }
 
 // ---- The schedule ----
-
-// Sets the timer for the next deadline, finer than GLib's own timers, which count milliseconds.
-static void set_wake(struct crew *crew, int64_t wake_ns)
-{
-    if (wake_ns == crew->wake_ns)
-        return;
-    crew->wake_ns = wake_ns;
-    struct itimerspec when = {0}; // never
-    if (wake_ns != INT64_MAX)
-        when.it_value = (struct timespec){.tv_sec = wake_ns / CLOCK_SECOND_NS,
-                                          .tv_nsec = wake_ns % CLOCK_SECOND_NS};
-    const int set = timerfd_settime(crew->wake, TFD_TIMER_ABSTIME, &when, NULL);
-    assert(set == 0);
-}
 
 static void carry_out(struct crew *crew)
 {
@@ -109,7 +87,7 @@ static void carry_out(struct crew *crew)
             break;
         }
     }
-    set_wake(crew, effects->wake_ns);
+    deadline_set(crew->wake, effects->wake_ns);
 }
 
 static void schedule_take(struct crew *crew, struct schedule_event *event)
@@ -129,12 +107,13 @@ static void tell_finished(struct crew *crew)
     g_array_set_size(crew->finished, 0);
 }
 
-void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples)
+void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples, bool share_only)
 {
-    schedule_take(crew, &(struct schedule_event){
-                            .kind = SCHEDULE_EVENT_STEP,
-                            .step = {.search = search, .step = step, .samples = samples},
-                        });
+    schedule_take(crew, &(struct schedule_event){.kind = SCHEDULE_EVENT_STEP,
+                                                 .step = {.search = search,
+                                                          .step = step,
+                                                          .samples = samples,
+                                                          .share_only = share_only}});
 }
 
 void crew_outcome(struct crew *crew, uint64_t worker, const struct schedule_batch *batch,
@@ -153,38 +132,9 @@ void crew_counters(const struct crew *crew, struct schedule_counters *counters)
     schedule_counters(crew->schedule, counters);
 }
 
-void crew_offer(struct crew *crew, const struct digest *digest, const void *bytes, size_t size)
+struct texts *crew_texts(struct crew *crew)
 {
-    texts_add(crew->texts, digest, bytes, size);
-}
-
-// ---- What the others hear ----
-
-static void publish_status(struct crew *crew, int8_t state)
-{
-    struct schedule_counters schedule;
-    struct wire_counters wire;
-    schedule_counters(crew->schedule, &schedule);
-    wire_counters(crew->wire, &wire);
-    sobox_run_status_t message = {
-        .header.run = (int64_t)crew->run,
-        .state = state,
-        .searches = 1,
-        .searches_done = state == DONE,
-        .workers = (int32_t)schedule.workers,
-        .workers_refused = (int32_t)schedule.workers_refused,
-        .samples = (int64_t)schedule.samples_counted,
-        .batches = (int64_t)schedule.batches_counted,
-        .released = (int64_t)schedule.released,
-        .duplicates = (int64_t)schedule.duplicates,
-        .rejected = (int64_t)wire.rejected,
-        .lost = (int64_t)wire.lost,
-        .elapsed_ns = clock_monotonic_ns() - crew->started_ns,
-        .service_ns = schedule.service_ns,
-    };
-    g_strlcpy((char *)message.name, crew->name, sizeof message.name);
-    memcpy(message.fingerprint, crew->fingerprint.bytes, DIGEST_SIZE);
-    (void)!wire_publish(crew->wire, WIRE_RUN_STATUS, &message);
+    return crew->texts;
 }
 
 // ---- What is heard ----
@@ -206,6 +156,8 @@ static void heard_worker(void *user, enum wire_kind kind, const void *bytes)
     g_snprintf(event.worker.name, sizeof event.worker.name, "%.63s/%d", (const char *)message->host,
                message->process);
     schedule_take(crew, &event);
+    if (crew->calls->room != NULL)
+        crew->calls->room(crew->user);
 }
 
 static void heard_text_request(void *user, enum wire_kind kind, const void *bytes)
@@ -240,16 +192,9 @@ static void heard_text_request(void *user, enum wire_kind kind, const void *byte
 
 // ---- Timers and signals ----
 
-static gboolean woken(gint descriptor, GIOCondition condition, gpointer user)
+static void woken(void *user)
 {
-    (void)condition;
-    struct crew *crew = user;
-    uint64_t expirations;
-    if (read(descriptor, &expirations, sizeof expirations) < 0)
-        return G_SOURCE_CONTINUE; // set anew since it rang
-    crew->wake_ns = INT64_MAX;
-    schedule_take(crew, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
-    return G_SOURCE_CONTINUE;
+    schedule_take(user, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
 }
 
 // Says for what it waits when no worker is there, once per wait.
@@ -280,16 +225,21 @@ static gboolean tell_status(gpointer user)
     struct schedule_counters counters;
     schedule_counters(crew->schedule, &counters);
     look_for_workers(crew, counters.workers);
-    publish_status(crew, counters.workers > 0 ? RUNNING : WAITING);
+    crew->calls->status(crew->user, &counters, counters.workers == 0);
     return G_SOURCE_CONTINUE;
+}
+
+static void end(struct crew *crew, enum status status, const char *why)
+{
+    if (crew->status == STATUS_OK)
+        crew_stop(crew, error_set(crew->error, status,
+                                  "%s; continue with 'sobox-coordinator --resume %s'", why,
+                                  crew->directory));
 }
 
 static gboolean interrupted(gpointer user)
 {
-    struct crew *crew = user;
-    if (crew->status != STATUS_OK)
-        return G_SOURCE_CONTINUE;
-    crew_stop(crew, error_set(crew->error, STATUS_INTERRUPTED, "interrupted; %s", crew->reason));
+    end(user, STATUS_INTERRUPTED, "interrupted");
     return G_SOURCE_CONTINUE;
 }
 
@@ -297,9 +247,7 @@ static gboolean give_up(gpointer user)
 {
     struct crew *crew = user;
     crew->abandoned = 0;
-    if (crew->status == STATUS_OK)
-        crew_stop(crew, error_set(crew->error, STATUS_FAILED, "all local workers have ended; %s",
-                                  crew->reason));
+    end(crew, STATUS_FAILED, "all local workers have ended");
     return G_SOURCE_REMOVE;
 }
 
@@ -322,7 +270,7 @@ static enum status subscribe(struct crew *crew, struct error *error)
     return status;
 }
 
-enum status crew_create(struct crew **created, struct wire *wire, const char *name, uint64_t run,
+enum status crew_create(struct crew **created, struct wire *wire, uint64_t run,
                         const struct coordinator_settings *settings,
                         const struct schedule_settings *schedule, const struct crew_calls *calls,
                         void *user, struct error *error)
@@ -330,7 +278,6 @@ enum status crew_create(struct crew **created, struct wire *wire, const char *na
     struct crew *crew = g_new0(struct crew, 1);
     *crew = (struct crew){
         .wire = wire,
-        .name = name,
         .run = run,
         .settings = settings,
         .calls = calls,
@@ -340,11 +287,9 @@ enum status crew_create(struct crew **created, struct wire *wire, const char *na
         .texts = texts_create(),
         .finished = g_array_new(FALSE, FALSE, sizeof(struct step)),
         .loop = g_main_loop_new(NULL, FALSE),
-        .wake = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC),
-        .wake_ns = INT64_MAX,
-        .started_ns = clock_monotonic_ns(),
     };
-    assert(crew->wake >= 0);
+    crew->wake = deadline_create(woken, crew);
+    assert(crew->wake != NULL);
     if (settings->children != NULL)
         children_watch(settings->children, child_ended, crew);
     const enum status status = subscribe(crew, error);
@@ -363,42 +308,30 @@ void crew_free(struct crew *crew)
     wire_source_detach(crew->wire);
     g_main_loop_unref(crew->loop);
     g_array_unref(crew->finished);
-    close(crew->wake);
+    deadline_free(crew->wake);
     schedule_effects_fini(&crew->effects);
     schedule_free(crew->schedule);
     texts_free(crew->texts);
     g_free(crew);
 }
 
-static int8_t state_after(enum status status)
+enum status crew_run(struct crew *crew, const char *directory, struct error *error)
 {
-    switch (status) {
-    case STATUS_OK:
-        return DONE;
-    case STATUS_INTERRUPTED:
-        return INTERRUPTED;
-    default:
-        return FAILED;
-    }
-}
-
-enum status crew_run(struct crew *crew, const char *reason, struct error *error)
-{
-    crew->reason = reason;
+    crew->directory = directory;
     crew->error = error;
     const guint sources[] = {
         g_timeout_add(STATUS_INTERVAL_MS, tell_status, crew),
         g_unix_signal_add(SIGINT, interrupted, crew),
         g_unix_signal_add(SIGTERM, interrupted, crew),
-        watch_add(crew->wake, woken, crew),
     };
-    publish_status(crew, RUNNING);
+    struct schedule_counters counters;
+    schedule_counters(crew->schedule, &counters);
+    crew->calls->status(crew->user, &counters, false);
     if (!crew->stopped)
         g_main_loop_run(crew->loop);
     if (crew->abandoned != 0)
         g_source_remove(crew->abandoned);
     for (size_t i = 0; i < G_N_ELEMENTS(sources); i++)
         g_source_remove(sources[i]);
-    publish_status(crew, state_after(crew->status));
     return crew->status;
 }

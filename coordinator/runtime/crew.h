@@ -1,7 +1,7 @@
 // The workers on a wire as one who has work for them sees them: it says which samples are to be
 // evaluated, is asked to send the batches that the schedule makes of them, and is told what counts.
-// Leases, texts that workers ask for, deadlines, the status of the run and the ways in which all of
-// it may end are the crew's.
+// Leases, texts that workers ask for, deadlines, and the ways in which all of it may end are the
+// crew's. Searches and tables of designs have one each.
 //
 //     crew_step() --> schedule --> send() --> ... worker ... --> crew_outcome() --> count()
 //                                                                   ... the last --> finished()
@@ -11,6 +11,7 @@
 #include "common/numeric/digest.h"
 #include "common/wire/wire.h"
 #include "coordinator/runtime/coordinator.h"
+#include "coordinator/runtime/texts.h"
 #include "coordinator/schedule/schedule.h"
 
 struct crew;
@@ -24,21 +25,26 @@ struct crew_calls {
     void (*count)(void *user, const struct schedule_batch *batch);
     // All samples of this step have been counted. Not called from within crew_step().
     void (*finished)(void *user, uint32_t search, uint32_t step);
+    // Once a second, for whoever watches: how it goes, and whether there is nobody to work.
+    void (*status)(void *user, const struct schedule_counters *counters, bool waiting);
+    // A worker has announced itself, and may have room for more. NULL: it is nothing to the user.
+    void (*room)(void *user);
 };
 
-// `name` and `run` are told to workers and monitors. Everything is borrowed until crew_free().
+// `run` is the number under which workers ask for texts. Everything is borrowed until crew_free().
 // Errors: STATUS_NETWORK.
-enum status crew_create(struct crew **crew, struct wire *wire, const char *name, uint64_t run,
+enum status crew_create(struct crew **crew, struct wire *wire, uint64_t run,
                         const struct coordinator_settings *settings,
                         const struct schedule_settings *schedule, const struct crew_calls *calls,
                         void *user, struct error *error) MUST_USE;
 void crew_free(struct crew *crew);
 
-// A text that workers may ask for, as texts_add() has it.
-void crew_offer(struct crew *crew, const struct digest *digest, const void *bytes, size_t size);
+// The texts that workers may ask for, for the user to offer.
+struct texts *crew_texts(struct crew *crew);
 
-// Samples that are to be evaluated.
-void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples);
+// Samples that are to be evaluated; share_only as the schedule has it.
+void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples,
+               bool share_only);
 
 // An outcome has been heard and is well-formed: `worker` is its sender.
 void crew_outcome(struct crew *crew, uint64_t worker, const struct schedule_batch *batch,
@@ -47,8 +53,9 @@ void crew_outcome(struct crew *crew, uint64_t worker, const struct schedule_batc
 void crew_counters(const struct crew *crew, struct schedule_counters *counters);
 
 // Runs the main loop until crew_stop(), a signal (STATUS_INTERRUPTED) or the end of all local
-// workers (STATUS_FAILED), for which `reason` says how to continue. Returns how it ended.
-enum status crew_run(struct crew *crew, const char *reason, struct error *error) MUST_USE;
+// workers (STATUS_FAILED); `directory` is the run folder with which it can be continued. Returns
+// how it ended.
+enum status crew_run(struct crew *crew, const char *directory, struct error *error) MUST_USE;
 
 // Ends the main loop. The first status stands.
 void crew_stop(struct crew *crew, enum status status);

@@ -7,8 +7,11 @@
 #include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
+#include "coordinator/runtime/tell.h"
+#include "worker/batch/fingerprint.h"
 
 #include "sobox_design_batch_t.h"
+#include "sobox_run_status_t.h"
 #include "sobox_value_batch_t.h"
 
 #include <assert.h>
@@ -43,7 +46,8 @@ struct work {
     struct wire *wire;
     struct crew *crew;
     struct pool *pool;
-    uint64_t run; // of this session alone: an outcome of an earlier one is no one's
+    struct digest fingerprint; // of the kernel
+    uint64_t run;              // of this session alone: an outcome of an earlier one is no one's
     struct piece pieces[EVALUATE_PIECES_MAX];
     uint32_t oldest;     // place of the one whose turn it is
     uint32_t count;      // under way
@@ -182,7 +186,7 @@ static void take_read(struct work *work, struct piece *piece)
     }
     piece->state = READ;
     piece->values = g_new(double, (size_t)designs *outcome_count(work));
-    crew_step(work->crew, (uint32_t)(piece - work->pieces), piece->step, designs);
+    crew_step(work->crew, (uint32_t)(piece - work->pieces), piece->step, designs, false);
 }
 
 static void threads_are_done(void *user, GPtrArray *jobs)
@@ -323,6 +327,52 @@ static void heard_values(void *user, enum wire_kind kind, const void *bytes)
     work->heard = NULL;
 }
 
+// ---- What others hear ----
+
+// For them it is a run of one search, of which there is nothing to show but how it goes.
+static void publish_status(struct work *work, enum tell_state state,
+                           const struct schedule_counters *counters)
+{
+    const struct evaluation *evaluation = work->table->evaluation;
+    struct wire_counters wire;
+    wire_counters(work->wire, &wire);
+    sobox_run_status_t message = {
+        .header.run = (int64_t)work->run,
+        .state = (int8_t)state,
+        .searches = 1,
+        .searches_done = state == TELL_DONE,
+        .workers = (int32_t)counters->workers,
+        .workers_refused = (int32_t)counters->workers_refused,
+        .samples = (int64_t)counters->samples_counted,
+        .batches = (int64_t)counters->batches_counted,
+        .released = (int64_t)counters->released,
+        .duplicates = (int64_t)counters->duplicates,
+        .rejected = (int64_t)wire.rejected,
+        .lost = (int64_t)wire.lost,
+        .elapsed_ns = evaluation->elapsed_ns + clock_monotonic_ns() - evaluation->started_ns,
+        .service_ns = counters->service_ns,
+    };
+    g_strlcpy((char *)message.name, evaluation->scenario.name, sizeof message.name);
+    memcpy(message.fingerprint, work->fingerprint.bytes, DIGEST_SIZE);
+    (void)!wire_publish(work->wire, WIRE_RUN_STATUS, &message);
+}
+
+static void tell_status(void *user, const struct schedule_counters *counters, bool waiting)
+{
+    publish_status(user, waiting ? TELL_WAITING : TELL_RUNNING, counters);
+}
+
+static void tell_end_state(struct work *work, enum status status)
+{
+    struct schedule_counters counters;
+    crew_counters(work->crew, &counters);
+    publish_status(work,
+                   status == STATUS_OK            ? TELL_DONE
+                   : status == STATUS_INTERRUPTED ? TELL_INTERRUPTED
+                                                  : TELL_FAILED,
+                   &counters);
+}
+
 // ---- Progress ----
 
 static gboolean show_progress(gpointer user)
@@ -454,22 +504,20 @@ static enum status end_state(struct work *work, enum status status)
 static enum status run_crew(struct work *work)
 {
     const struct evaluation *evaluation = work->table->evaluation;
-    char *reason =
-        g_strdup_printf("continue with 'sobox-coordinator --resume %s'", evaluation->directory);
     guint progress = 0;
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)
         progress = g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, work);
-    crew_offer(work->crew, &evaluation->scenario.digest, evaluation->scenario.text,
-               evaluation->scenario.text_size);
+    texts_add(crew_texts(work->crew), &evaluation->scenario.digest, evaluation->scenario.text,
+              evaluation->scenario.text_size);
     watch_table(work);
-    const enum status status = crew_run(work->crew, reason, work->error);
+    const enum status status = crew_run(work->crew, evaluation->directory, work->error);
     if (work->reader != 0)
         g_source_remove(work->reader);
     if (progress != 0)
         g_source_remove(progress);
     log_progress_end();
-    g_free(reason);
+    tell_end_state(work, status);
     return status;
 }
 
@@ -477,11 +525,16 @@ enum status evaluate_run(struct evaluate *evaluate, struct wire *wire,
                          const struct coordinator_settings *settings, struct error *error)
 {
     static const struct crew_calls calls = {
-        .send = send_batch, .count = count_batch, .finished = piece_sampled};
+        .send = send_batch,
+        .count = count_batch,
+        .finished = piece_sampled,
+        .status = tell_status,
+    };
     struct evaluation *evaluation = evaluate->evaluation;
     struct work *work = g_new0(struct work, 1);
     work->table = evaluate;
     work->wire = wire;
+    work->fingerprint = fingerprint_compute();
     work->run = identity_random();
     work->next = evaluation->rows + 1;
     work->shown_ns = clock_monotonic_ns();
@@ -490,8 +543,8 @@ enum status evaluate_run(struct evaluate *evaluate, struct wire *wire,
     struct schedule_settings schedule = schedule_settings_default();
     enum status status = batch_designs(work, &schedule.batch_samples_max, error);
     if (status == STATUS_OK)
-        status = crew_create(&work->crew, wire, evaluation->scenario.name, work->run, settings,
-                             &schedule, &calls, work, error);
+        status =
+            crew_create(&work->crew, wire, work->run, settings, &schedule, &calls, work, error);
     if (status == STATUS_OK)
         status = wire_subscribe(wire, WIRE_VALUE_BATCH, heard_values, work, error);
     if (status == STATUS_OK)
