@@ -126,8 +126,8 @@ struct scenario_search {
                           // steps of exploration
     uint64_t evaluations; // budget of the whole search, its certificate included; 0: no limit
                           // beside the counts of steps. At least samples + certificate_samples
-    uint32_t stagnation;      // steps over which the mean log-volume must grow, lest exploration, or
-                              // a consolidation at rest, ends early; 0: all steps are spent
+    uint32_t stagnation;  // steps over which the mean log-volume must grow, lest exploration, or
+                          // a consolidation at rest, ends early; 0: all steps are spent
     uint32_t explain_samples; // just outside each bound, to say what holds it; 0: it is not said.
                               // SCENARIO_EXPLAIN_AUTO: as many as are worth their cost
 
