@@ -481,7 +481,7 @@ static enum status batch_designs(const struct work *work, uint32_t *designs, str
         return STATUS_OK;
     const uint32_t values = MAX(variable_count(work), outcome_count(work));
     return error_set(error, STATUS_INVALID,
-                     "a design of %u variables and %u outcomes does not fit a message: expected "
+                     "a design with %u values in and %u out does not fit a message: expected "
                      "--mtu %zu or more, for all workers too",
                      variable_count(work), outcome_count(work),
                      WIRE_MTU_DEFAULT + (values + 100) * sizeof(double));

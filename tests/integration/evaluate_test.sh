@@ -210,6 +210,27 @@ wrong_tables_leave_nothing_behind()
     expect_said out '^short: 0 designs'
 }
 
+# A design that no frame holds needs larger messages, and the program says how large.
+design_larger_than_a_message_is_refused()
+{
+    awk 'BEGIN {
+        print "name: large\nmodel: hypersphere\nconstraints: {distance: {max: 0}}\nvariables:"
+        for (i = 1; i <= 300; i++) printf "  - {name: v%d, lower: -1, upper: 1}\n", i
+    }' >large.yaml
+    awk 'BEGIN {
+        for (i = 1; i <= 300; i++) printf "%sv%d", (i > 1 ? "," : ""), i
+        print ""
+        for (i = 1; i <= 300; i++) printf "%s0.5", (i > 1 ? "," : "")
+        print ""
+    }' >large.csv
+    run 2 sobox-coordinator --evaluate large.csv large.yaml --out small --mtu 1400
+    expect_said err 'does not fit a message: expected --mtu [0-9]+ or more'
+    expect_no small
+    run 0 sobox-coordinator --evaluate large.csv large.yaml --out large \
+        --mtu "$(sed -n 's/.*--mtu \([0-9]*\).*/\1/p' err)"
+    expect_equal "$(sed -n 's/,.*//; 2p' large/outcomes.csv)" 1 'the number of the design'
+}
+
 options_that_do_not_fit_together_are_refused()
 {
     _write_designs 3 >designs.csv
