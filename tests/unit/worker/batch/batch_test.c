@@ -128,6 +128,43 @@ static void non_finite_outcome_is_worst(void **state)
     assert_verdict(batch_verdict(&scenario, outcomes, 1), 0, INFINITY);
 }
 
+// A block is judged outcome by outcome, a design as a whole: both must come to the same, where no
+// number comes out too. No scenario has forces that leave motions without end, so the box is given
+// some.
+static void block_is_judged_as_its_designs_are(void **state)
+{
+    (void)state;
+    static const char *const narrow[] = {
+        "constraints={yaw_deg: {min: -5, max: 5}, s_L: {min: 0.4}}"};
+    struct scenario s;
+    struct error error = {0};
+    if (scenario_read_text(&s, "batch", text, strlen(text), narrow, 1, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+    s.design_space.upper[1] = 1e308; // [N]
+    struct model *of = model_create(&s);
+    enum { COUNT = 200, OUTCOMES = OUTCOME_ENERGY_ABSORBED + 1 };
+    static double values[8 * MODEL_BLOCK], outcomes[OUTCOMES * MODEL_BLOCK];
+    assert_true(model_variable_count(of) <= 8 && model_outcome_count(of) == OUTCOMES);
+    const struct batch batch = {.sampling = {.seed = 4, .samples = COUNT}, .count = COUNT};
+    static struct verdict verdicts[COUNT];
+    uint32_t non_finite = batch_evaluate(&s, of, &s.design_space, &batch, 1, verdicts);
+    assert_true(non_finite > 0);
+    for (uint32_t first = 0; first < COUNT; first += MODEL_BLOCK) {
+        uint32_t count = COUNT - first < MODEL_BLOCK ? COUNT - first : MODEL_BLOCK;
+        sampling_fill(&batch.sampling, &s.design_space, first, count, values, MODEL_BLOCK);
+        model_evaluate_judged(of, count, values, outcomes);
+        for (uint32_t i = 0; i < count; i++) {
+            struct verdict alone = batch_verdict(&s, outcomes + i, MODEL_BLOCK);
+            assert_int_equal(verdicts[first + i].violation, alone.violation);
+            assert_int_equal(verdicts[first + i].constraint, alone.constraint);
+            non_finite -= alone.violation == VERDICT_NON_FINITE;
+        }
+    }
+    assert_int_equal(non_finite, 0);
+    model_free(of);
+    scenario_fini(&s);
+}
+
 static struct batch batch_of(uint32_t first, uint32_t count)
 {
     return (struct batch){
@@ -309,6 +346,7 @@ int main(void)
         cmocka_unit_test(violation_is_relative_to_the_scale),
         cmocka_unit_test(worst_constraint_is_named),
         cmocka_unit_test(non_finite_outcome_is_worst),
+        cmocka_unit_test(block_is_judged_as_its_designs_are),
         cmocka_unit_test(design_space_has_good_and_bad_designs),
         cmocka_unit_test(thread_count_does_not_matter),
         cmocka_unit_test(pieces_of_a_step_make_the_whole),
