@@ -75,6 +75,17 @@ void tell_free(struct tell *tell)
     g_free(tell);
 }
 
+static void send_parts(struct tell *tell)
+{
+    while (tell->allowance > 0 && !g_queue_is_empty(&tell->parts)) {
+        struct part *part = g_queue_pop_head(&tell->parts);
+        part->message.packed = part->packed;
+        (void)!wire_publish(tell->wire, WIRE_STEP_STATUS, &part->message);
+        g_free(part);
+        tell->allowance--;
+    }
+}
+
 void tell_run(struct tell *tell, enum tell_state state, const struct schedule_counters *counters)
 {
     const struct run *run = tell->run;
@@ -98,6 +109,11 @@ void tell_run(struct tell *tell, enum tell_state state, const struct schedule_co
     };
     g_strlcpy((char *)message.name, run->record.name, sizeof message.name);
     memcpy(message.fingerprint, tell->fingerprint.bytes, DIGEST_SIZE);
+    // What waits for its tick has none any more.
+    if (state >= TELL_DONE) {
+        tell->allowance = (int)tell->parts.length;
+        send_parts(tell);
+    }
     (void)!wire_publish(tell->wire, WIRE_RUN_STATUS, &message);
 }
 
@@ -317,17 +333,6 @@ static void tell_cases(struct tell *tell)
 }
 
 // ---- Samples ----
-
-static void send_parts(struct tell *tell)
-{
-    while (tell->allowance > 0 && !g_queue_is_empty(&tell->parts)) {
-        struct part *part = g_queue_pop_head(&tell->parts);
-        part->message.packed = part->packed;
-        (void)!wire_publish(tell->wire, WIRE_STEP_STATUS, &part->message);
-        g_free(part);
-        tell->allowance--;
-    }
-}
 
 static uint8_t *put_doubles(uint8_t *at, const double *values, uint32_t count)
 {

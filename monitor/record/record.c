@@ -103,9 +103,18 @@ static int8_t state_of(enum journal_state state)
 // Which points a step drew: the journal does not say, it follows from the phase (search.c).
 static enum scenario_sampling sampling_of(int8_t phase, const struct scenario *scenario)
 {
-    if (phase == SEARCH_PHASE_SEEK)
+    switch ((enum search_phase)phase) {
+    case SEARCH_PHASE_SEEK:
         return SCENARIO_SAMPLING_LATIN_HYPERCUBE;
-    return phase == SEARCH_PHASE_CERTIFY ? SCENARIO_SAMPLING_UNIFORM : scenario->search.sampling;
+    case SEARCH_PHASE_EXPLORE:
+    case SEARCH_PHASE_CONSOLIDATE:
+        return scenario->search.sampling;
+    case SEARCH_PHASE_CERTIFY:
+    case SEARCH_PHASE_EXPLAIN:
+    case SEARCH_PHASE_DONE:
+        break;
+    }
+    return SCENARIO_SAMPLING_UNIFORM;
 }
 
 // ---- Telling the feed ----

@@ -15,13 +15,18 @@ _text() {
     script "return document.querySelector('$1').textContent"
 }
 
+_expect_text() { # CSS PATTERN
+    _text "$1" >text
+    grep -qE -e "$2" text || fail "$1: found '$(cat text)', expected '$2'"
+}
+
 page_follows_a_run_to_its_end()
 {
     open_browser
     _start_page monitor --url "$url"
     visit "http://$site/"
     wait_for_page 'the page is live' 'document.querySelector("#link").dataset.state === "live"'
-    expect_said <(_text '#runs-empty') 'No run is heard yet'
+    _expect_text '#runs-empty' 'No run is heard yet'
     start worker sobox-worker --url "$url"
     start coordinator sobox-coordinator "$scenario" --out run --url "$url" "${steady[@]}" \
         --set search.samples=20000
@@ -62,12 +67,23 @@ pairs_of_variables_are_chosen_and_paged_through()
     click '#xray-before'
     click '#xray-before'
     expect_equal "$(_text '#xray-place')" 'pair 45 of 45' 'the pair before the first'
-    expect_said <(_text '#xray-step-text') 'certify .latest.'
+    _expect_text '#xray-step-text' '[(]latest[)]'
     press '#xray canvas' "$key_down"
-    expect_said <(_text '#xray-step-text') 'consolidate'
+    _expect_text '#xray-step-text' '^step [0-9]+, [a-z]+$'
     # Bad samples of that step have a reason, which has its line in the legend.
     script 'const s = document.querySelector("#xray-step"); s.value = 0; s.dispatchEvent(new Event("input"))'
     wait_for_page 'the reason is in the legend' '/s_L .*< 0.25 m/.test(document.querySelector("#xray .legend").textContent)'
+    # What the chart offers to keep is a picture and a table.
+    script 'const make = URL.createObjectURL; URL.createObjectURL = (blob) => { window.kept = blob; return make.call(URL, blob); };
+        for (const b of document.querySelectorAll("#xray figcaption button")) { if (b.textContent === "SVG") b.click(); }
+        window.kept.text().then((text) => { window.svg = text; })'
+    wait_for_page 'the picture is made' 'window.svg'
+    expect_equal "$(script 'const d = new DOMParser().parseFromString(window.svg, "image/svg+xml");
+        return d.querySelector("parsererror") ? "broken" : d.documentElement.nodeName')" svg 'the picture'
+    expect_equal "$(script 'return (window.svg.match(/<(circle|path transform)/g) || []).length')" 200 'samples in the picture'
+    script 'for (const b of document.querySelectorAll("#xray figcaption button")) { if (b.textContent === "CSV") b.click(); }
+        window.kept.text().then((text) => { window.csv = text; })'
+    wait_for_page 'the table is made' 'window.csv?.split("\n").length === 202'
     expect_quiet_console
     close_browser
 }
@@ -86,7 +102,7 @@ EOF
     _start_page monitor --from run
     visit "http://$site/"
     wait_for_page 'six cases are listed' 'document.querySelectorAll("#searches tbody tr").length === 6'
-    expect_said <(_text '#searches thead') 'Status.*vehicle.mass.*response'
+    _expect_text '#searches thead' 'Status.*vehicle.mass.*response'
     script 'const f = document.querySelector("#search-filter"); f.value = "rotating 1800"; f.dispatchEvent(new Event("input"))'
     wait_for_page 'one case is left' 'document.querySelectorAll("#searches tbody tr").length === 1'
     click '#searches .pick'
@@ -112,7 +128,7 @@ page_says_that_it_is_old_and_comes_back()
     signal TERM monitor
     finish 0 monitor
     wait_for_page 'the picture is marked as old' '!document.querySelector("#stale").hidden && document.body.classList.contains("is-stale")'
-    expect_said <(_text '#stale') 'This picture is old'
+    _expect_text '#stale' 'This picture is old'
     # What the browser says of the refused connection is no complaint of the page.
     _ask POST "$session/se/log" '{"type": "browser"}'
     _start_page again --from run
