@@ -98,10 +98,16 @@ const Xray = (() => {
       this.show();
     }
 
+    // The latest step that sampled a box. At the end a search looks beyond each of its bounds, a thin
+    // slab at a time ("explain"): the slider leads there too.
+    get latest() {
+      const place = this.steps.findLastIndex(([, phase]) => phase !== "explain");
+      return place < 0 ? this.steps.length - 1 : place;
+    }
+
     chooseStep(place) {
-      const last = this.steps.length - 1;
-      const kept = Math.min(Math.max(place, 0), last);
-      this.step = kept >= last ? null : this.steps[kept][0];
+      const kept = Math.min(Math.max(place, 0), this.steps.length - 1);
+      this.step = kept === this.latest ? null : this.steps[kept][0];
       this.show();
     }
 
@@ -165,7 +171,7 @@ const Xray = (() => {
       const place = this.placeOf(this.pair);
       this.place.textContent = place < 0 ? "the same variable" : `pair ${place + 1} of ${this.pairCount}`;
       const last = this.steps.length - 1;
-      const at = this.step === null ? last : this.steps.findLastIndex(([step]) => step <= this.step);
+      const at = this.step === null ? this.latest : this.steps.findLastIndex(([step]) => step <= this.step);
       this.slider.max = last;
       this.slider.value = Math.max(at, 0);
       this.slider.disabled = last < 1;
