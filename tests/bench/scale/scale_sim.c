@@ -1,6 +1,6 @@
 // How many workers a coordinator keeps busy: the real schedule and the real searches on the
 // simulated network and clock of tests/cluster, with what everything costs as measured (costs.h).
-// Prints CSV, a row a cluster; README.md beside it says what the columns mean.
+// Prints CSV, a row a cluster; tests/bench/README.md says what they mean.
 //
 //     scale_sim [--help] [--workers N,N,...] [--searches N] ...
 //
@@ -189,6 +189,8 @@ static const char *bottleneck(const struct figures *figures)
         return "trimmers";
     if (figures->listen >= 0.9)
         return "listening";
+    if (figures->open >= OPENING_MAX)
+        return "open searches";
     return figures->step_trim >= 0.5 ? "trim of a step" : "way of a step";
 }
 
