@@ -251,13 +251,13 @@ static void expect(bool holds, const char *what)
 static void check(const struct cluster *cluster)
 {
     expect(cluster->workers >= 1 && cluster->workers < NETWORK_PLACE_MAX, "1 to 8,199 workers");
-    expect(cluster->threads >= 1, "1 or more threads");
+    expect(cluster->threads >= 1 && cluster->threads <= 4096, "1 to 4,096 threads");
     expect(cluster->searches >= 1 && cluster->searches <= 1000000, "1 to 1,000,000 searches");
     expect(cluster->samples >= 1 && cluster->samples <= 1000000, "1 to 1,000,000 samples");
     expect(cluster->costs.sample_ns > 0, "a sample to take some time");
     expect(cluster->loss < 0.5, "less than half of the packets to be lost");
     expect(cluster->mtu >= 1000 && cluster->mtu <= 60000, "an mtu of 1,000 to 60,000 bytes");
-    expect(cluster->trimmers >= 1, "1 or more trimming threads");
+    expect(cluster->trimmers >= 1 && cluster->trimmers <= 4096, "1 to 4,096 trimming threads");
 }
 
 // Returns whether every cluster was used as well as was expected.
@@ -350,5 +350,9 @@ int main(int argc, char **argv)
                                                             .mtu = (uint32_t)options.mtu,
                                                             .trimmers = (uint32_t)options.trimmers,
                                                             .seed = (uint64_t)options.seed});
+    char *const texts[] = {options.workers,   options.searches,      options.samples,
+                           options.sample_us, options.round_trip_ms, options.loss};
+    for (size_t i = 0; i < G_N_ELEMENTS(texts); i++)
+        g_free(texts[i]);
     return enough ? EXIT_SUCCESS : EXIT_FAILURE;
 }
