@@ -90,6 +90,15 @@ static double two_regions(uint32_t variables, const double *design, size_t strid
     return fmin(sqrt(one) - 0.5, sqrt(two) - 0.3);
 }
 
+// Good on both sides of a ridge, which holds the middle of all good designs.
+static double beside_a_ridge(uint32_t variables, const double *design, size_t stride)
+{
+    double sum = 0;
+    for (uint32_t v = 0; v < variables; v++)
+        sum += design[v * stride];
+    return 0.4 - fabs(sum) / sqrt(variables);
+}
+
 struct setting {
     problem_function *problem;
     uint32_t variables;
@@ -556,6 +565,28 @@ static void stagnation_ends_a_search_early(void **state)
     box_fini(&again.box);
 }
 
+// Too few steps to get anywhere from the start that was chosen are no reason to say that there is
+// no good design when a quarter of those looked at are good.
+static void few_steps_still_find_a_box(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = beside_a_ridge;
+    setting.variables = 10;
+    setting.samples = 100;
+    setting.target = 0.6;
+    setting.certificate = 1000;
+    for (uint32_t steps = 1; steps <= 8; steps++) {
+        setting.steps = steps;
+        for (uint64_t seed = 1; seed <= 10; seed++) {
+            struct outcome_of_search outcome = run(&setting, seed);
+            assert_int_not_equal(outcome.result.status, SEARCH_STATUS_NO_GOOD_DESIGN);
+            assert_true(isfinite(outcome.result.log_volume));
+            box_fini(&outcome.box);
+        }
+    }
+}
+
 // A request stays the same until it is answered, and the phases come in their order.
 static void asking_twice_changes_nothing(void **state)
 {
@@ -876,6 +907,7 @@ int main(void)
         cmocka_unit_test(nothing_is_explained_without_a_bound),
         cmocka_unit_test(explanation_stays_in_the_budget),
         cmocka_unit_test(stagnation_ends_a_search_early),
+        cmocka_unit_test(few_steps_still_find_a_box),
         cmocka_unit_test(asking_twice_changes_nothing),
         cmocka_unit_test(budget_is_kept),
         cmocka_unit_test(starts_are_as_many_as_asked_for),
