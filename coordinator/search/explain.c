@@ -127,7 +127,6 @@ void explain_init(struct explain *explain, const struct scenario *scenario, cons
     explain->bounds = g_new0(struct explain_bound, sides);
     explain->steps = g_new(uint32_t, sides);
     explain->worst = g_new0(uint64_t, (size_t)sides * constraints);
-    explain->inside_near = g_new0(uint64_t, constraints);
     explain->gains = g_new0(struct explain_gain, constraints);
     for (uint32_t i = 0; i < sides; i++) {
         struct explain_bound *bound = &explain->bounds[i];
@@ -150,7 +149,7 @@ void explain_fini(struct explain *explain)
     g_free(explain->steps);
     g_free(explain->bad);
     g_free(explain->worst);
-    g_free(explain->inside_near);
+    g_free(explain->inside);
     g_free(explain->gains);
     *explain = (struct explain){0};
 }
@@ -238,15 +237,15 @@ bool explain_take(struct explain *explain, const struct sampling *sampling, cons
 
 void explain_take_inside(struct explain *explain, const struct verdict *verdicts, uint32_t samples)
 {
-    memset(explain->inside_near, 0, (SCENARIO_CONSTRAINT_MAX + 1) * sizeof(uint64_t));
     explain->inside_samples = samples;
     explain->inside_bad = 0;
+    explain->inside = g_renew(struct explain_bad, explain->inside,
+                              samples - verdict_good_count(verdicts, samples) + 1);
     for (uint32_t i = 0; i < samples; i++) {
-        if (verdicts[i].violation == VERDICT_GOOD)
-            continue;
-        explain->inside_bad++;
-        if (verdict_relative(verdicts[i].violation) <= gain_relaxation)
-            explain->inside_near[verdicts[i].constraint]++;
+        if (verdicts[i].violation != VERDICT_GOOD)
+            explain->inside[explain->inside_bad++] =
+                (struct explain_bad){.violation = (float)verdict_relative(verdicts[i].violation),
+                                     .constraint = verdicts[i].constraint};
     }
 }
 

@@ -89,7 +89,7 @@ struct explain {
     // Of the box itself, where that is known (explain_take_inside).
     uint64_t inside_samples;
     uint64_t inside_bad;
-    uint64_t *inside_near; // (constraints) bad ones that relaxing this constraint makes good
+    struct explain_bad *inside; // (inside_bad) of which bound and distance mean nothing
 
     struct explain_gain *gains; // (constraints) filled in by explain_conclude()
 };

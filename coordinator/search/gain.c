@@ -9,6 +9,10 @@ const double gain_relaxation = 0.01;
 // there are few, so that the second one is likely to end among them too.
 enum { GAIN_FIRST_EVENT = 8, GAIN_FIRST_PART = 4 };
 
+// So many bad samples of the box tell how many designs relaxing makes good, or half of all there
+// are.
+enum { GAIN_INSIDE_SAMPLES = 20 };
+
 // A slab thinner than this, in widths of the corridor, says too little: the design space ends.
 static const double gain_thickness_least = 0.05;
 
@@ -137,6 +141,36 @@ static bool widen(const GArray *events, bool relaxed, double reach, double bad, 
     return false;
 }
 
+static int by_size(const void *a, const void *b)
+{
+    const float one = *(const float *)a;
+    const float two = *(const float *)b;
+    return (one > two) - (one < two);
+}
+
+// The share of the box's designs that relaxing makes good. Where fewer samples than
+// GAIN_INSIDE_SAMPLES say so, the density of violations among the least ones says it with less
+// noise.
+static double freed_inside(const struct explain *explain, uint32_t constraint)
+{
+    float *violations = g_new(float, explain->inside_bad + 1);
+    uint64_t count = 0;
+    for (uint64_t i = 0; i < explain->inside_bad; i++) {
+        if (explain->inside[i].constraint == constraint)
+            violations[count++] = explain->inside[i].violation;
+    }
+    qsort(violations, count, sizeof *violations, by_size);
+    uint64_t near = 0;
+    while (near < count && violations[near] <= gain_relaxation)
+        near++;
+    double freed = (double)near;
+    const uint64_t few = MIN(GAIN_INSIDE_SAMPLES, (count + 1) / 2);
+    if (near < few && isfinite(violations[few - 1]))
+        freed = gain_relaxation / violations[few - 1] * (double)few;
+    g_free(violations);
+    return freed / (double)explain->inside_samples;
+}
+
 // Compares two boxes of the same bad share, without relaxing and with it.
 static void compare(const struct explain *explain, uint32_t constraint, const struct pool *pool,
                     struct explain_gain *gain)
@@ -149,8 +183,7 @@ static void compare(const struct explain *explain, uint32_t constraint, const st
         for (guint i = 0; i < place; i++)
             mass += g_array_index(events, struct event, i).mass;
         const double bad = (double)explain->inside_bad / (double)explain->inside_samples;
-        const double freed =
-            (double)explain->inside_near[constraint] / (double)explain->inside_samples;
+        const double freed = freed_inside(explain, constraint);
         const double share = (bad + mass) / (1 + first->at);
         double widened;
         gain->at_least = !widen(events, true, pool->reach, bad - freed, share, &widened);

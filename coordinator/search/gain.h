@@ -6,8 +6,9 @@
 //
 // No sample is evaluated anew: a bad one whose worst constraint is the relaxed one, and whose
 // relative violation is at most 0.01, is good then. Of the samples in the box that is a share f of
-// all, of the share b that is bad. Of those in the slabs (explain.h) it changes how the bad mass
-// grows when a variable's corridor is widened by e times its width,
+// all, of the share b that is bad; where they are few, f follows from the density of the 20 least
+// violations (or the lesser half of all). Of those in the slabs (explain.h) it changes how the bad
+// mass grows when a variable's corridor is widened by e times its width,
 //
 //     M(e) = sum over its bounds of the bad share within their part of e, times that part,
 //
@@ -29,9 +30,9 @@
 // comes out too small (by a fifth at 0.3). A sample that violates another constraint a little less
 // counts as good though it stays bad. Where every bound that the constraint holds is held by
 // another one too, the gain is too small. It rests on a few dozen bad samples and has their noise:
-// with the default of 200 samples a bound and 10,000 in the box, 20 to 40 % (README.md has
-// figures). It ranks constraints, and says whether a per cent is worth a tenth of the volume or a
-// hundredth.
+// with 200 samples a bound, the default, it is right within a factor of two or so, with 2,000
+// within 40 % (README.md has figures). It ranks constraints, and says whether a per cent is worth a
+// tenth of the volume or a hundredth.
 #ifndef SOBOX_COORDINATOR_SEARCH_GAIN_H
 #define SOBOX_COORDINATOR_SEARCH_GAIN_H
 
