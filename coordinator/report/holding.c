@@ -312,7 +312,8 @@ json_t *holding_json_constraints(const struct run_data_search *search)
 
 static bool has_least(const struct run_data_search *search)
 {
-    return run_data_found_nothing(search) && search->least_constraint != UINT32_MAX &&
+    return run_data_found_nothing(search) && search->judged == search->bad &&
+           search->least_constraint != UINT32_MAX &&
            search->record.box.count == search->scenario.design_space.count;
 }
 

@@ -81,7 +81,9 @@ static void print_interval(const struct run_data_search *search, uint32_t variab
     double width = space->upper[variable] - space->lower[variable];
     fprintf(out, " %11.*f %9.*f", force->decimals, measured(force, box->lower[variable]),
             force->decimals, measured(force, box->upper[variable]));
-    if (width > 0)
+    if (width > 0 && box->lower[variable] == box->upper[variable])
+        fprintf(out, " %8s", "held");
+    else if (width > 0)
         fprintf(out, " %8.1f", 100 * (box->upper[variable] - box->lower[variable]) / width);
     else
         fprintf(out, " %8s", "fixed");
@@ -120,7 +122,9 @@ static void print_variable(const struct run_data_search *search, uint32_t index,
     fprintf(out, "%-*.*s %12.6g %12.6g", name_width, name_width,
             search->scenario.variables[index].name, measured(&measure, box->lower[index]),
             measured(&measure, box->upper[index]));
-    if (width > 0)
+    if (width > 0 && box->lower[index] == box->upper[index])
+        fprintf(out, " %7s", "held");
+    else if (width > 0)
         fprintf(out, " %7.1f", 100 * (box->upper[index] - box->lower[index]) / width);
     else
         fprintf(out, " %7s", "fixed");
@@ -241,6 +245,10 @@ static void print_search(const struct run_data_search *search, const struct repo
     holding_print_summary(search, normalise, out);
     fprintf(out, "\nstatus       %s\n", status);
     if (run_data_found_nothing(search)) {
+        // It is looked at first, and alone.
+        if (search->scenario.search.reference != NULL && search->evaluations == 1)
+            fputs("reference    search.reference is not a good design: no box may contain it\n",
+                  out);
         print_obstacle(search, normalise, out);
         holding_print_least(search, normalise, out);
     } else {
