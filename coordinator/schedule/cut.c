@@ -63,12 +63,15 @@ uint32_t cut_count(const struct schedule_settings *settings, const struct roster
     uint32_t cap = cut_cap(settings, roster, worker, step, sample_ns);
     uint32_t worth =
         count_of(ceil(cut_worth_ns(roster, step, search_count, sample_ns) / sample_ns));
-    uint32_t share = count_max(cut_share(roster, worker, step, open_count), worth);
-    share = count_min(rest, share);
+    uint32_t share = count_min(rest, cut_share(roster, worker, step, open_count));
+    // What is left goes in equal parts of about what is worth it: a small one at the end would
+    // cost its messages for nothing.
+    if (share < worth)
+        share = (rest - 1) / count_max(1, (rest + worth / 2) / worth) + 1;
     uint32_t parts = (share - 1) / cap + 1;
     uint32_t count = (share - 1) / parts + 1;
     // Equal parts of a little more than fits are half of what fits: still worth their messages.
-    count = count_max(count, count_min(count_min(worth, cap), rest));
+    count = count_max(count, count_min(count_min(worth, cap), share));
     if (cap >= CUT_LANES)
         count = count_min(cap, (count - 1) / CUT_LANES * CUT_LANES + CUT_LANES);
     if (rest <= cap && rest - count_min(rest, count) <= count / 8)
