@@ -26,9 +26,9 @@
 #include <stdint.h>
 
 enum {
-    EXPLAIN_SAMPLES = 200,      // a bound, where the scenario does not say
+    EXPLAIN_SAMPLES = 500,      // a bound at most, where the scenario does not say
     EXPLAIN_SAMPLES_LEAST = 20, // then, whatever they cost
-    EXPLAIN_SHARE = 4,          // then, all bounds together: at most this part of what was spent
+    EXPLAIN_SHARE = 8,          // then, all bounds together: at most this part of what was spent
     EXPLAIN_BUDGET_SHARE = 10,  // of a budget: at most this part is set aside
     EXPLAIN_BUDGET_LEAST = 10,  // samples a bound; with less room there is no explanation
 };

@@ -151,7 +151,7 @@ static void result_says_what_holds_each_corridor(void **state)
     const json_t *lower = json_object_get(f1, "lower");
     assert_string_equal(text_at(lower, "holder"), "constraint");
     assert_string_equal(text_at(lower, "outcome"), "energy_remaining");
-    assert_int_equal(json_integer_value(json_object_get(lower, "samples")), 200);
+    assert_in_range(json_integer_value(json_object_get(lower, "samples")), 100, 500);
     assert_true(json_real_value(json_object_get(lower, "good_share")) > 0.5);
     assert_string_equal(text_at(json_object_get(f1, "upper"), "outcome"), "order");
     const json_t *upper = json_object_get(f2, "upper");

@@ -395,8 +395,8 @@ static void samples_follow_what_they_cost(void **state)
 {
     (void)state;
     struct scenario_search search = {.explain_samples = SCENARIO_EXPLAIN_AUTO};
-    assert_int_equal(explain_samples(&search, 36, 50000), 200);
-    assert_int_equal(explain_samples(&search, 160, 50000), 78);
+    assert_int_equal(explain_samples(&search, 36, 50000), 173);
+    assert_int_equal(explain_samples(&search, 4, 50000), 500);
     assert_int_equal(explain_samples(&search, 1440, 50000), 20);
     assert_int_equal(explain_samples(&search, 0, 50000), 0);
     search.explain_samples = 1000;
@@ -418,7 +418,7 @@ static void budget_sets_little_aside(void **state)
     struct scenario_search *search = &fixture.scenario.search;
     assert_int_equal(explain_reserve(&fixture.scenario), 0); // of no budget
     search->evaluations = 40000;
-    assert_int_equal(explain_reserve(&fixture.scenario), 800);
+    assert_int_equal(explain_reserve(&fixture.scenario), 2000);
     search->evaluations = 4000;
     assert_int_equal(explain_reserve(&fixture.scenario), 400);
     search->evaluations = 390;
