@@ -181,6 +181,21 @@ static void no_good_design_names_the_obstacle(void **state)
     g_free(table);
 }
 
+// A variable that is held to one value has no width, and counts no more in the log-volume of a run
+// that goes on than in that of one that is done.
+static void held_variable_leaves_the_log_volume_finite(void **state)
+{
+    char *yaml = g_strconcat(SAMPLE_SCENARIO,
+                             "search: {hold: {lower: {\"front.force_x[0]\": 30e3},\n"
+                             "                upper: {\"front.force_x[0]\": 30e3}}}\n",
+                             NULL);
+    sample_run(*state, yaml, 1, SAMPLE_UNFINISHED);
+    char *table = printed(*state);
+    assert_contains(table, "log-volume   -4.159 "); // six free variables, half of each
+    g_free(table);
+    g_free(yaml);
+}
+
 // Each search of a run has its rows.
 static void searches_of_a_sweep_are_told_apart(void **state)
 {
@@ -304,6 +319,7 @@ int main(void)
         IN_FOLDER(unfinished_run_shows_its_last_box),
         IN_FOLDER(untouched_run_has_no_corridors),
         IN_FOLDER(no_good_design_names_the_obstacle),
+        IN_FOLDER(held_variable_leaves_the_log_volume_finite),
         IN_FOLDER(searches_of_a_sweep_are_told_apart),
         IN_FOLDER(summary_has_a_row_a_case),
         IN_FOLDER(export_that_fails_leaves_the_old_one),

@@ -565,6 +565,43 @@ static void stagnation_ends_a_search_early(void **state)
     box_fini(&again.box);
 }
 
+// One variable: bounds where the problem changes, and hardly anything lost.
+static void one_variable_is_enough(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 1;
+    setting.asked.explain_samples = 20;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_EXPLAIN], 2);
+    assert_true(fabs(outcome.box.lower[0] + 0.5) < 0.01);
+    assert_true(fabs(outcome.box.upper[0] - 0.5) < 0.01);
+    box_fini(&outcome.box);
+}
+
+// As many variables as forty springs with nine points have: volumes multiply 720 widths, and each
+// bound gets its samples.
+static void hundreds_of_variables_are_searched(void **state)
+{
+    (void)state;
+    struct setting setting = standard;
+    setting.problem = hypersphere;
+    setting.variables = 720;
+    setting.lower = -0.87; // two in five are good
+    setting.upper = 0.87;
+    setting.steps = 10;
+    setting.target = 0.5;
+    setting.certificate = 100;
+    setting.asked.explain_samples = 2;
+    struct outcome_of_search outcome = run(&setting, 1);
+    assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+    assert_true(isfinite(outcome.result.log_volume));
+    assert_in_range(outcome.steps[SEARCH_PHASE_EXPLAIN], 1, 1440);
+    box_fini(&outcome.box);
+}
+
 // Too few steps to get anywhere from the start that was chosen are no reason to say that there is
 // no good design when a quarter of those looked at are good.
 static void few_steps_still_find_a_box(void **state)
@@ -907,6 +944,8 @@ int main(void)
         cmocka_unit_test(nothing_is_explained_without_a_bound),
         cmocka_unit_test(explanation_stays_in_the_budget),
         cmocka_unit_test(stagnation_ends_a_search_early),
+        cmocka_unit_test(one_variable_is_enough),
+        cmocka_unit_test(hundreds_of_variables_are_searched),
         cmocka_unit_test(few_steps_still_find_a_box),
         cmocka_unit_test(asking_twice_changes_nothing),
         cmocka_unit_test(budget_is_kept),
