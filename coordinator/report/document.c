@@ -201,8 +201,13 @@ enum { CASES_MAX = 2000 }; // rows that a reader's browser shows without trouble
 static void put_cases(struct writer *writer, const struct rows *rows)
 {
     GPtrArray *head = cells_new();
-    static const char *const titles[] = {"case",    "status", "log-volume", "purity at least",
-                                         "designs", "seconds"};
+    static const char *const titles[] = {"case",
+                                         "status",
+                                         "log-volume",
+                                         "purity at least",
+                                         "designs",
+                                         "seconds",
+                                         "costs most, relaxed by 1 %"};
     for (size_t i = 0; i < G_N_ELEMENTS(titles); i++)
         cell(head, "%s", titles[i]);
     table_begin(writer, head, 2);
@@ -216,6 +221,7 @@ static void put_cases(struct writer *writer, const struct rows *rows)
         cell_number(cells, floor(row->purity_lower95 * 1e4) * 1e-4, 4);
         cell(cells, "%s", number_count(row->evaluations, designs));
         cell_number(cells, row->wall_s, 2);
+        cell(cells, "%s", row->costliest != NULL ? row->costliest : "-");
         table_row(writer, cells, 2);
     }
     table_end(writer);

@@ -1,5 +1,6 @@
 #include "coordinator/report/rows.h"
 
+#include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 
 #include <math.h>
@@ -22,6 +23,7 @@ static void take(struct rows *rows, uint32_t index, const struct run_data_search
         .values = g_strdupv(search->values),
         .log_volume = search->box != NULL ? search->log_volume : NAN,
         .purity_lower95 = certified ? record->purity_lower95 : NAN,
+        .costliest = holding_costliest(search),
         .evaluations = search->evaluations,
         .wall_s = (double)search->wall_ns * 1e-9,
     };
@@ -88,6 +90,7 @@ void rows_fini(struct rows *rows)
     for (uint32_t i = 0; i < rows->count; i++) {
         g_free(rows->items[i].name);
         g_free(rows->items[i].status);
+        g_free(rows->items[i].costliest);
         g_strfreev(rows->items[i].values);
     }
     g_free(rows->items);

@@ -14,6 +14,7 @@ struct rows_row {
     uint32_t group;        // cases that differ in their seed alone share one
     double log_volume;     // NAN where there are no corridors
     double purity_lower95; // NAN where there is no certificate
+    char *costliest;       // constraint, with what relaxing it by 1 % gains; NULL: not known
     uint64_t evaluations;
     double wall_s;
 };
