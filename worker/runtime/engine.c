@@ -80,14 +80,15 @@ static uint32_t claim_count(const struct engine *engine, uint32_t left)
 {
     double count = ceil((double)engine->waiting / engine->threads);
     if (engine->sample_ns > 0)
+        // A block that is not whole costs its random numbers all the same.
         count = fmin(fmax(count, CLAIM_LEAST_NS / engine->sample_ns),
-                     CLAIM_WORTH_NS / engine->sample_ns);
+                     fmax(CLAIM_WORTH_NS / engine->sample_ns, MODEL_BLOCK));
     else
         count = fmin(count, MODEL_BLOCK);
     if (count * 1.25 >= left)
         return left;
     // Whole blocks of the model where there are several, else whole vectors.
-    const uint32_t step = count > MODEL_BLOCK ? MODEL_BLOCK : CLAIM_LANES;
+    const uint32_t step = count >= MODEL_BLOCK ? MODEL_BLOCK : CLAIM_LANES;
     return MIN(left, MAX((uint32_t)count / step * step, CLAIM_LANES));
 }
 
