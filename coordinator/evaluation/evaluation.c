@@ -14,9 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// How far it has come is noted so often [ns]: what a kill costs at most is done again.
-#define NOTE_INTERVAL_NS (200 * CLOCK_MILLISECOND_NS)
-
 static const char *const state_names[] = {
     [EVALUATION_RUNNING] = "running",
     [EVALUATION_INTERRUPTED] = "interrupted",
@@ -79,7 +76,7 @@ static enum status note(struct evaluation *evaluation, int64_t now_ns, struct er
     g_string_free(line, TRUE);
     g_free(path);
     free(text);
-    evaluation->noted_ns = now_ns;
+    evaluation->noted_rows = evaluation->rows;
     return status;
 }
 
@@ -276,7 +273,7 @@ enum status evaluation_resume(struct evaluation *evaluation, const char *directo
 }
 
 enum status evaluation_append(struct evaluation *evaluation, const struct evaluation_piece *piece,
-                              int64_t now_ns, struct error *error)
+                              struct error *error)
 {
     const enum status status = write_all(evaluation, piece->text, piece->size, error);
     if (status != STATUS_OK)
@@ -286,9 +283,12 @@ enum status evaluation_append(struct evaluation *evaluation, const struct evalua
     evaluation->sums.non_finite += piece->sums.non_finite;
     evaluation->bytes_read = piece->end;
     evaluation->digest = evaluation_digest(&evaluation->digest, &piece->digest);
-    if (now_ns - evaluation->noted_ns < NOTE_INTERVAL_NS)
-        return STATUS_OK;
-    return note(evaluation, now_ns, error);
+    return STATUS_OK;
+}
+
+enum status evaluation_note(struct evaluation *evaluation, int64_t now_ns, struct error *error)
+{
+    return evaluation->rows == evaluation->noted_rows ? STATUS_OK : note(evaluation, now_ns, error);
 }
 
 enum status evaluation_end(struct evaluation *evaluation, enum evaluation_state state,

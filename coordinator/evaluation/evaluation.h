@@ -40,7 +40,7 @@ struct evaluation {
     struct digest digest;   // chain over the pieces read: evaluation_digest()
     int64_t elapsed_ns;     // of earlier sessions
     int64_t started_ns;     // monotonic, of this session
-    int64_t noted_ns;       // when evaluation.json was written last
+    uint64_t noted_rows;    // that evaluation.json tells of
 };
 
 // What a piece of the table has become.
@@ -70,9 +70,14 @@ bool evaluation_present(const char *directory);
 enum status evaluation_resume(struct evaluation *evaluation, const char *directory, int64_t now_ns,
                               struct error *error) MUST_USE;
 
-// Writes the next piece's rows, and from time to time how far it has come. Errors: STATUS_IO.
+// Writes the next piece's rows. Errors: STATUS_IO.
 enum status evaluation_append(struct evaluation *evaluation, const struct evaluation_piece *piece,
-                              int64_t now_ns, struct error *error) MUST_USE;
+                              struct error *error) MUST_USE;
+
+// Notes in evaluation.json how far it has come, if further than noted: what was written since is
+// done again after a kill. Errors: STATUS_IO.
+enum status evaluation_note(struct evaluation *evaluation, int64_t now_ns,
+                            struct error *error) MUST_USE;
 
 // Writes the state in which it ends for now. Errors: STATUS_IO.
 enum status evaluation_end(struct evaluation *evaluation, enum evaluation_state state,

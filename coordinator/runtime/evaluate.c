@@ -18,7 +18,12 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { SAMPLES_MAX = 65536 }; // of one message, as design_batch_t.lcm says
+enum {
+    SAMPLES_MAX = 65536, // of one message, as design_batch_t.lcm says
+    // How far it has come is noted so often, also while the table is slow in coming: what a kill
+    // costs at most is done again.
+    NOTE_INTERVAL_MS = 200,
+};
 
 //     FREE --> READING --> READ --> SAMPLED --> WRITING --> WRITTEN --> FREE
 //                 |        at workers                          in the file's turn
@@ -150,8 +155,8 @@ static enum status write_in_order(struct work *work)
             return error_set(work->error, piece->error.status, "%s", piece->error.text);
         if (piece->state != WRITTEN)
             return STATUS_OK;
-        const enum status status = evaluation_append(work->table->evaluation, &piece->result,
-                                                     clock_monotonic_ns(), work->error);
+        const enum status status =
+            evaluation_append(work->table->evaluation, &piece->result, work->error);
         if (status != STATUS_OK)
             return status;
         piece_free(piece);
@@ -501,6 +506,16 @@ static enum status end_state(struct work *work, enum status status)
     return unwritten.status;
 }
 
+static gboolean note_progress(gpointer user)
+{
+    struct work *work = user;
+    const enum status status =
+        evaluation_note(work->table->evaluation, clock_monotonic_ns(), work->error);
+    if (status != STATUS_OK)
+        fail(work, status);
+    return G_SOURCE_CONTINUE;
+}
+
 static enum status run_crew(struct work *work)
 {
     const struct evaluation *evaluation = work->table->evaluation;
@@ -508,12 +523,14 @@ static enum status run_crew(struct work *work)
     const long long interval_ns = log_progress_interval_ns();
     if (interval_ns != INT64_MAX)
         progress = g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, work);
+    const guint notes = g_timeout_add(NOTE_INTERVAL_MS, note_progress, work);
     texts_add(crew_texts(work->crew), &evaluation->scenario.digest, evaluation->scenario.text,
               evaluation->scenario.text_size);
     watch_table(work);
     const enum status status = crew_run(work->crew, evaluation->directory, work->error);
     if (work->reader != 0)
         g_source_remove(work->reader);
+    g_source_remove(notes);
     if (progress != 0)
         g_source_remove(progress);
     log_progress_end();

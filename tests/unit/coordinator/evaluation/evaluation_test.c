@@ -66,7 +66,7 @@ static void begin(struct evaluation *evaluation)
     assert_null(scenario.text);
 }
 
-static void append(struct evaluation *evaluation, const char *rows, uint64_t end, int64_t now_ns)
+static void append(struct evaluation *evaluation, const char *rows, uint64_t end)
 {
     const struct evaluation_piece piece = {.text = rows,
                                            .size = strlen(rows),
@@ -74,7 +74,7 @@ static void append(struct evaluation *evaluation, const char *rows, uint64_t end
                                            .sums = {.good = 1},
                                            .end = end,
                                            .digest = digest_of(rows, strlen(rows))};
-    assert_int_equal(evaluation_append(evaluation, &piece, now_ns, NULL), STATUS_OK);
+    assert_int_equal(evaluation_append(evaluation, &piece, NULL), STATUS_OK);
 }
 
 // What a killed session wrote after its last note is cut off and done again; all before it stays.
@@ -83,9 +83,10 @@ static void evaluation_goes_on_where_its_note_says(void **state)
     (void)state;
     struct evaluation evaluation;
     begin(&evaluation);
-    append(&evaluation, "1,0.5,1,\n2,-1,0,distance\n", 100, CLOCK_SECOND_NS); // is noted
-    append(&evaluation, "3,0.5,1,\n4,-1,0,distance\n", 200, CLOCK_SECOND_NS); // not so soon again
-    evaluation_fini(&evaluation);                                             // killed
+    append(&evaluation, "1,0.5,1,\n2,-1,0,distance\n", 100);
+    assert_int_equal(evaluation_note(&evaluation, 0, NULL), STATUS_OK);
+    append(&evaluation, "3,0.5,1,\n4,-1,0,distance\n", 200);
+    evaluation_fini(&evaluation); // killed
     char *all = content_of("outcomes.csv");
 
     struct error error = {0};
@@ -97,7 +98,7 @@ static void evaluation_goes_on_where_its_note_says(void **state)
     assert_true(g_path_is_absolute(evaluation.designs));
     assert_true(g_str_has_suffix(evaluation.designs, "/table.csv"));
     assert_string_equal(evaluation.scenario.name, "sample");
-    append(&evaluation, "3,0.5,1,\n4,-1,0,distance\n", 200, 0);
+    append(&evaluation, "3,0.5,1,\n4,-1,0,distance\n", 200);
     assert_int_equal(evaluation_end(&evaluation, EVALUATION_DONE, 0, NULL), STATUS_OK);
     evaluation_fini(&evaluation);
     char *again = content_of("outcomes.csv");
@@ -135,7 +136,8 @@ static void damaged_folder_is_refused(void **state)
     (void)state;
     struct evaluation evaluation;
     begin(&evaluation);
-    append(&evaluation, "1,0.5,1,\n2,-1,0,distance\n", 100, CLOCK_SECOND_NS);
+    append(&evaluation, "1,0.5,1,\n2,-1,0,distance\n", 100);
+    assert_int_equal(evaluation_note(&evaluation, 0, NULL), STATUS_OK);
     evaluation_fini(&evaluation);
     char *note = content_of("evaluation.json");
     static const char *const changes[][2] = {
