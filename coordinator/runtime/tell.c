@@ -127,8 +127,10 @@ static uint32_t publish_search(struct tell *tell, sobox_search_status_t *message
     const size_t payload = wire_payload_max(tell->wire, WIRE_SEARCH_STATUS);
     const uint32_t count = (uint32_t)MIN(box->count - first, payload / (2 * sizeof(double)));
     double *bounds = g_new(double, 2 * (size_t)count);
-    memcpy(bounds, box->lower + first, count * sizeof *bounds);
-    memcpy(bounds + count, box->upper + first, count * sizeof *bounds);
+    if (count > 0) { // a search that could not be carried out has no box
+        memcpy(bounds, box->lower + first, count * sizeof *bounds);
+        memcpy(bounds + count, box->upper + first, count * sizeof *bounds);
+    }
     message->variables = (int32_t)box->count;
     message->first_variable = (int32_t)first;
     message->bound_count = (int32_t)(2 * count);
