@@ -1,42 +1,53 @@
 #include "coordinator/search/carve.h"
 
+#include "coordinator/search/ranking.h"
+
 #include <assert.h>
 #include <glib.h>
 #include <math.h>
 #include <string.h>
 
 // One side more keeps the point out.
-static uint64_t out_of(uint32_t side)
+static uint32_t out_of(uint32_t side)
 {
-    return UINT64_C(1) << 32 | side;
+    return side << 16 | 1;
 }
 
-static bool out_by_one(uint64_t out)
+static bool out_by_one(uint32_t out)
 {
-    return out >> 32 == 1;
+    return (out & UINT16_MAX) == 1;
 }
 
-void carve_points_init(struct carve_points *points, const struct cloud *cloud, int threads)
+static const uint32_t *order_of(const struct carve_points *points, uint32_t variable)
 {
-    enum { TILE = 16 };
-    const uint32_t variables = cloud->variables;
+    return points->order + (size_t)variable * points->cloud->count;
+}
+
+void carve_points_init(struct carve_points *points, const struct cloud *cloud,
+                       const struct box *grown, int threads)
+{
+    const uint32_t count = cloud->count;
+    assert(cloud->variables <= CARVE_VARIABLE_MAX);
     points->cloud = cloud;
-    points->rows = g_new(double, (size_t)cloud->count *variables + 1);
-    // In tiles, so that both sides of the transposition stay in the cache.
-#pragma omp parallel for num_threads(threads) if ((size_t)cloud->count * variables > 100000)
-    for (uint32_t first = 0; first < cloud->count; first += TILE) {
-        const uint32_t end = cloud->count - first < TILE ? cloud->count : first + TILE;
-        for (uint32_t v = 0; v < variables; v++) {
-            const double *column = cloud_column(cloud, v);
-            for (uint32_t i = first; i < end; i++)
-                points->rows[(size_t)i * variables + v] = column[i];
+    points->order = g_new(uint32_t, (size_t)count * cloud->variables + 1);
+#pragma omp parallel num_threads(threads) if ((size_t)count * cloud->variables > 20000)
+    {
+        uint64_t *scratch = g_new(uint64_t, 2 * (size_t)count + 1);
+#pragma omp for schedule(dynamic, 4)
+        for (uint32_t v = 0; v < cloud->variables; v++) {
+            uint32_t *order = points->order + (size_t)v * count;
+            for (uint32_t i = 0; i < count; i++)
+                order[i] = i;
+            ranking_sort(order, count, cloud_column(cloud, v), grown->lower[v], grown->upper[v],
+                         scratch);
         }
+        g_free(scratch);
     }
 }
 
 void carve_points_fini(struct carve_points *points)
 {
-    g_free(points->rows);
+    g_free(points->order);
     *points = (struct carve_points){0};
 }
 
@@ -46,9 +57,15 @@ void carve_init(struct carve *carve, const struct box *grown, const struct carve
     *carve = (struct carve){.grown = grown, .points = points};
     box_init(&carve->box, grown->count);
     box_assign(&carve->box, grown);
-    carve->out = g_new0(uint64_t, points->cloud->count + 1);
+    carve->out = g_new0(uint32_t, points->cloud->count + 1);
+    carve->place = g_new0(uint32_t, 2 * variables + 1);
+    for (uint32_t v = 0; v < variables; v++)
+        carve->place[2 * v + 1] = points->cloud->count;
     carve->limit = g_new(double, 2 * variables + 1);
     carve->support = g_new(uint32_t, 2 * variables + 1);
+    carve->loose = g_new(uint32_t, 2 * variables + 1);
+    carve->is_loose = g_new0(bool, 2 * variables + 1);
+    carve->row = g_new(double, variables + 1);
     carve->shares = g_new(double, variables + 1);
 }
 
@@ -56,8 +73,12 @@ void carve_fini(struct carve *carve)
 {
     box_fini(&carve->box);
     g_free(carve->out);
+    g_free(carve->place);
     g_free(carve->limit);
     g_free(carve->support);
+    g_free(carve->loose);
+    g_free(carve->is_loose);
+    g_free(carve->row);
     g_free(carve->shares);
     *carve = (struct carve){0};
 }
@@ -66,65 +87,53 @@ void carve_assign(struct carve *carve, const struct carve *from)
 {
     assert(carve->points == from->points);
     const size_t sides = 2 * (size_t)carve->grown->count;
+    assert(from->loose_count == 0);
     carve->anchor = from->anchor;
     box_assign(&carve->box, &from->box);
     memcpy(carve->out, from->out, carve->points->cloud->count * sizeof *carve->out);
+    memcpy(carve->place, from->place, sides * sizeof *carve->place);
+    carve->limited = from->limited;
     memcpy(carve->limit, from->limit, sides * sizeof *carve->limit);
     memcpy(carve->support, from->support, sides * sizeof *carve->support);
+    while (carve->loose_count > 0)
+        carve->is_loose[carve->loose[--carve->loose_count]] = false;
 }
 
-// Adds `add` to the points whose coordinate lies in [least, most]. Eight bytes in, eight bytes out:
-// the loop that trimming spends its time in is one compare, one mask and one addition a lane.
-static inline __attribute__((always_inline)) void mark_body(uint64_t *restrict out,
-                                                            const double *restrict column,
-                                                            uint32_t count, double least,
-                                                            double most, uint64_t add)
+static void loosen(struct carve *carve, uint32_t side)
 {
-#pragma omp simd
-    for (uint32_t i = 0; i < count; i++)
-        out[i] += ((column[i] >= least) & (column[i] <= most)) ? add : 0;
-}
-
-static void mark_plain(uint64_t *out, const double *column, uint32_t count, double least,
-                       double most, uint64_t add)
-{
-    mark_body(out, column, count, least, most, add);
-}
-
-#ifdef __x86_64__
-__attribute__((target("avx2"))) static void mark_avx2(uint64_t *out, const double *column,
-                                                      uint32_t count, double least, double most,
-                                                      uint64_t add)
-{
-    mark_body(out, column, count, least, most, add);
-}
-#endif
-
-static void mark(uint64_t *out, const double *column, uint32_t count, double least, double most,
-                 uint64_t add)
-{
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx2")) {
-        mark_avx2(out, column, count, least, most, add);
+    if (carve->is_loose[side])
         return;
-    }
-#endif
-    mark_plain(out, column, count, least, most, add);
+    carve->is_loose[side] = true;
+    carve->loose[carve->loose_count++] = side;
+}
+
+// One side more keeps the point out. What only another kept out does not stop that any more.
+static void put_out(struct carve *carve, uint32_t side, uint32_t point)
+{
+    const uint32_t out = carve->out[point];
+    carve->out[point] = out + out_of(side);
+    if (carve->limited && out_by_one(out) && carve->support[out >> 16] == point)
+        loosen(carve, out >> 16);
 }
 
 void carve_cut(struct carve *carve, uint32_t side, double bound)
 {
     const struct cloud *bad = carve->points->cloud;
     const double *column = cloud_column(bad, side / 2);
+    const uint32_t *order = order_of(carve->points, side / 2);
+    uint32_t place = carve->place[side];
     if (side % 2 == 0) {
-        mark(carve->out, column, bad->count, carve->box.lower[side / 2],
-             nextafter(bound, -INFINITY), out_of(side));
+        for (; place < bad->count && column[order[place]] < bound; place++)
+            put_out(carve, side, order[place]);
         carve->box.lower[side / 2] = bound;
     } else {
-        mark(carve->out, column, bad->count, nextafter(bound, INFINITY), carve->box.upper[side / 2],
-             out_of(side));
+        for (; place > 0 && column[order[place - 1]] > bound; place--)
+            put_out(carve, side, order[place - 1]);
         carve->box.upper[side / 2] = bound;
     }
+    carve->place[side] = place;
+    if (carve->limited)
+        loosen(carve, side);
 }
 
 // The bound that just excludes a bad point from a side. Bounds belong to the box, so it is the next
@@ -137,12 +146,15 @@ static double bound_inside(uint32_t side, double coordinate)
 bool carve_off(struct carve *carve, uint32_t point, uint32_t forbidden)
 {
     const uint32_t variables = carve->grown->count;
-    const double *row = carve->points->rows + (size_t)point * variables;
+    const struct cloud *bad = carve->points->cloud;
     const double *anchor = carve->anchor;
     const double *lower = carve->box.lower;
     const double *upper = carve->box.upper;
+    double *row = carve->row;
     double *shares = carve->shares;
-    // An equal coordinate cannot separate the two; it would cut the anchor off.
+    for (uint32_t v = 0; v < variables; v++)
+        row[v] = cloud_column(bad, v)[point];
+        // An equal coordinate cannot separate the two; it would cut the anchor off.
 #pragma omp simd
     for (uint32_t v = 0; v < variables; v++) {
         const double left = row[v] > anchor[v] ? row[v] - lower[v] : upper[v] - row[v];
@@ -174,6 +186,27 @@ static void stop_side(struct carve *carve, uint32_t side, uint32_t point)
     }
 }
 
+// Finds the limit of a side by itself: the first point further out that no other side keeps out.
+static void find_limit(struct carve *carve, uint32_t side)
+{
+    const struct cloud *bad = carve->points->cloud;
+    const uint32_t *order = order_of(carve->points, side / 2);
+    uint32_t place = carve->place[side];
+    if (side % 2 == 0) {
+        carve->limit[side] = carve->grown->lower[side / 2];
+        while (place > 0 && !out_by_one(carve->out[order[place - 1]]))
+            place--;
+        carve->support[side] = place > 0 ? order[place - 1] : CARVE_SIDE_NONE;
+    } else {
+        carve->limit[side] = carve->grown->upper[side / 2];
+        while (place < bad->count && !out_by_one(carve->out[order[place]]))
+            place++;
+        carve->support[side] = place < bad->count ? order[place] : CARVE_SIDE_NONE;
+    }
+    if (carve->support[side] != CARVE_SIDE_NONE)
+        carve->limit[side] = bound_inside(side, cloud_column(bad, side / 2)[carve->support[side]]);
+}
+
 static void find_limits(struct carve *carve)
 {
     for (uint32_t v = 0; v < carve->grown->count; v++) {
@@ -183,33 +216,36 @@ static void find_limits(struct carve *carve)
     }
     for (uint32_t i = 0; i < carve->points->cloud->count; i++) {
         if (out_by_one(carve->out[i]))
-            stop_side(carve, (uint32_t)carve->out[i], i);
+            stop_side(carve, carve->out[i] >> 16, i);
     }
 }
 
-// Moves a side out to its limit. Points that this side kept out together with one other are now
-// kept out by that other alone, and stop it.
+// One side less keeps the point out. What only one other still keeps out stops that.
+static void let_in(struct carve *carve, uint32_t side, uint32_t point)
+{
+    const uint32_t out = carve->out[point] -= out_of(side);
+    if (out_by_one(out))
+        stop_side(carve, out >> 16, point);
+}
+
+// Moves a side out to its limit.
 static void move_out(struct carve *carve, uint32_t side)
 {
     const struct cloud *bad = carve->points->cloud;
     const double *column = cloud_column(bad, side / 2);
+    const uint32_t *order = order_of(carve->points, side / 2);
     const double bound = carve->limit[side];
-    const bool lower = side % 2 == 0;
-    const double old = lower ? carve->box.lower[side / 2] : carve->box.upper[side / 2];
-    const double from = lower ? bound : nextafter(old, INFINITY);
-    const double to = lower ? nextafter(old, -INFINITY) : bound;
-    for (uint32_t i = 0; i < bad->count; i++) {
-        if (!((column[i] >= from) & (column[i] <= to)))
-            continue;
-        carve->out[i] -= out_of(side);
-        assert(carve->out[i] != 0);
-        if (out_by_one(carve->out[i]))
-            stop_side(carve, (uint32_t)carve->out[i], i);
-    }
-    if (lower)
+    uint32_t place = carve->place[side];
+    if (side % 2 == 0) {
+        for (; place > 0 && column[order[place - 1]] >= bound; place--)
+            let_in(carve, side, order[place - 1]);
         carve->box.lower[side / 2] = bound;
-    else
+    } else {
+        for (; place < bad->count && column[order[place]] <= bound; place++)
+            let_in(carve, side, order[place]);
         carve->box.upper[side / 2] = bound;
+    }
+    carve->place[side] = place;
 }
 
 // The side whose way out multiplies its width by most, or CARVE_SIDE_NONE when none can move.
@@ -233,26 +269,45 @@ static uint32_t best_side_out(const struct carve *carve)
 
 void carve_expand(struct carve *carve)
 {
-    find_limits(carve);
+    if (!carve->limited)
+        find_limits(carve);
+    carve->limited = true;
+    while (carve->loose_count > 0) {
+        const uint32_t side = carve->loose[--carve->loose_count];
+        carve->is_loose[side] = false;
+        find_limit(carve, side);
+    }
     for (uint32_t side; (side = best_side_out(carve)) != CARVE_SIDE_NONE;)
         move_out(carve, side);
 }
 
 // Lets the support of a side in and cuts it off elsewhere, together with any other bad point that
-// has the very same coordinate.
+// has the very same coordinate. A side may rest a rounding error before its limit; what lies
+// between is let in as well.
 static bool give_up_support(struct carve *carve, uint32_t side)
 {
     const struct cloud *bad = carve->points->cloud;
     const double *column = cloud_column(bad, side / 2);
+    const uint32_t *order = order_of(carve->points, side / 2);
     const double coordinate = column[carve->support[side]];
-    for (uint32_t i = 0; i < bad->count; i++)
-        carve->out[i] -= column[i] == coordinate ? out_of(side) : 0;
-    if (side % 2 == 0)
+    uint32_t first = carve->place[side];
+    uint32_t end = first;
+    if (side % 2 == 0) {
+        while (first > 0 && column[order[first - 1]] >= coordinate)
+            first--;
+        carve->place[side] = first;
         carve->box.lower[side / 2] = coordinate;
-    else
+    } else {
+        while (end < bad->count && column[order[end]] <= coordinate)
+            end++;
+        carve->place[side] = end;
         carve->box.upper[side / 2] = coordinate;
-    for (uint32_t i = 0; i < bad->count; i++) {
-        if (column[i] == coordinate && carve_holds(carve, i) && !carve_off(carve, i, side))
+    }
+    loosen(carve, side);
+    for (uint32_t i = first; i < end; i++)
+        let_in(carve, side, order[i]);
+    for (uint32_t i = first; i < end; i++) {
+        if (carve_holds(carve, order[i]) && !carve_off(carve, order[i], side))
             return false;
     }
     return true;

@@ -1,7 +1,8 @@
 // A box being carved out of a grown one among bad points: the moves that trimming is made of. For
 // every bad point it is known how many of the box's sides keep it out and, when there is only one,
-// which; so moving a side costs one walk down one column, and the point that stops a side from
-// moving out is known without a search.
+// which; and every variable has its points in order. So moving a side costs a visit to the points
+// that it moves over and no others, and the point that stops a side from moving out is known
+// without a search.
 #ifndef SOBOX_COORDINATOR_SEARCH_CARVE_H
 #define SOBOX_COORDINATOR_SEARCH_CARVE_H
 
@@ -11,15 +12,19 @@
 #include <stdbool.h>
 
 // Side 2v is the lower bound of variable v, side 2v + 1 its upper bound.
-enum { CARVE_SIDE_NONE = UINT32_MAX };
-
-// The bad points, laid out both ways: by column to move a side, by row to look at one point.
-struct carve_points {
-    const struct cloud *cloud; // borrowed: all points lie in the grown box
-    double *rows;              // (count x variables)
+enum {
+    CARVE_SIDE_NONE = UINT32_MAX,
+    CARVE_VARIABLE_MAX = INT16_MAX, // so that two sides of each fit in half of `out`
 };
 
-void carve_points_init(struct carve_points *points, const struct cloud *cloud, int threads);
+// The bad points, and their order along each variable.
+struct carve_points {
+    const struct cloud *cloud; // borrowed: all points lie in the grown box
+    uint32_t *order;           // (variables x count) points by coordinate, equal ones by number
+};
+
+void carve_points_init(struct carve_points *points, const struct cloud *cloud,
+                       const struct box *grown, int threads);
 void carve_points_fini(struct carve_points *points);
 
 struct carve {
@@ -27,11 +32,18 @@ struct carve {
     const struct carve_points *points; // borrowed
     const double *anchor;              // borrowed (variables): stays inside; NULL until set
     struct box box;                    // as carved so far
-    uint64_t *out;     // (points) high half: how many sides keep the point out, 0: it is inside;
-                       // low half: the sum of the numbers of those sides
-    double *limit;     // (sides) how far the side could move out; valid after expanding
+    uint32_t *out;     // (points) low half: how many sides keep the point out, 0: it is inside;
+                       // high half: the sum of the numbers of those sides, what overflows is lost
+    uint32_t *place;   // (sides) in its variable's order: lower sides keep out all before, upper
+                       // ones that point and all behind
+    bool limited;      // whether limits are kept up, from the first expansion on
+    double *limit;     // (sides) how far the side could move out
     uint32_t *support; // (sides) the bad point that stops it there, or CARVE_SIDE_NONE
-    double *shares;    // (variables) scratch
+    uint32_t *loose;   // (sides) those whose support is none any more: what limit is not known of
+    uint32_t loose_count;
+    bool *is_loose; // (sides)
+    double *row;    // (variables) scratch
+    double *shares; // (variables) scratch
 };
 
 // Starts with the whole of `grown`. The caller releases it with carve_fini().

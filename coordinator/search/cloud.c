@@ -91,6 +91,8 @@ void cloud_add_inside(struct cloud *cloud, const struct cloud *from, const struc
 
 bool cloud_inside(const struct cloud *cloud, const struct box *box)
 {
+    if (cloud->count == 0)
+        return true;
     for (uint32_t v = 0; v < cloud->variables; v++) {
         const double *column = cloud_column(cloud, v);
         const double lower = box->lower[v];

@@ -1,6 +1,7 @@
 #include "coordinator/search/trim.h"
 
 #include "coordinator/search/carve.h"
+#include "coordinator/search/ranking.h"
 
 #include <assert.h>
 #include <glib.h>
@@ -21,56 +22,87 @@ struct trim_options trim_options_default(void)
     return (struct trim_options){.anchors = 2, .rounds = 1, .edge = 0, .threads = 1};
 }
 
-// A point and what it is sorted by; equal keys are told apart by the points' coordinates, so that
-// the order in which points are given does not matter.
-struct ranked {
-    double key;
-    uint32_t point;
+// What points are sorted by.
+struct keys {
+    const struct cloud *cloud;
+    double *key; // (points) in [least, most]
+    double least;
+    double most;
 };
 
-static int by_key(const void *a, const void *b, void *data)
+static int by_coordinates(const void *a, const void *b, void *data)
 {
-    const struct ranked *one = a;
-    const struct ranked *two = b;
+    const uint32_t one = *(const uint32_t *)a;
+    const uint32_t two = *(const uint32_t *)b;
     const struct cloud *cloud = data;
-    if (one->key != two->key)
-        return one->key < two->key ? -1 : 1;
     for (uint32_t v = 0; v < cloud->variables; v++) {
         const double *column = cloud_column(cloud, v);
-        if (column[one->point] != column[two->point])
-            return column[one->point] < column[two->point] ? -1 : 1;
+        if (column[one] != column[two])
+            return column[one] < column[two] ? -1 : 1;
     }
-    return one->point < two->point ? -1 : one->point > two->point;
+    return one < two ? -1 : one > two;
 }
 
-static void rank(struct ranked *ranked, const struct cloud *cloud)
+// Sorts points by key. `order` comes sorted by the first variable. Equal keys are told apart by the
+// points' coordinates, so that the order in which points are given does not matter.
+static void rank(uint32_t *order, const struct keys *keys)
 {
+    const struct cloud *cloud = keys->cloud;
+    const double *key = keys->key;
+    const double *column = cloud_column(cloud, 0);
+    uint64_t *scratch = g_new(uint64_t, 2 * (size_t)cloud->count + 1);
+    ranking_sort(order, cloud->count, key, keys->least, keys->most, scratch);
+    g_free(scratch);
+    uint32_t end;
+    for (uint32_t first = 0; first < cloud->count; first = end) {
+        for (end = first + 1; end < cloud->count && key[order[end]] == key[order[first]] &&
+                              column[order[end]] == column[order[first]];)
+            end++;
+        if (end - first > 1)
+            qsort_r(order + first, end - first, sizeof *order, by_coordinates, (void *)cloud);
+    }
+}
+
+// The points in the order of the first variable. The caller releases it with g_free().
+static uint32_t *along_first(const struct cloud *cloud, const struct box *box)
+{
+    uint32_t *order = g_new(uint32_t, cloud->count + 1);
+    uint64_t *scratch = g_new(uint64_t, 2 * (size_t)cloud->count + 1);
     for (uint32_t i = 0; i < cloud->count; i++)
-        ranked[i].point = i;
-    qsort_r(ranked, cloud->count, sizeof *ranked, by_key, (void *)cloud);
+        order[i] = i;
+    ranking_sort(order, cloud->count, cloud_column(cloud, 0), box->lower[0], box->upper[0],
+                 scratch);
+    g_free(scratch);
+    return order;
 }
 
 // For each point its distance from `from`: the largest over the variables, in widths of the box.
-static void distances(struct ranked *ranked, const struct cloud *cloud, const struct box *box,
-                      const double *from)
+static void distances(struct keys *keys, const struct box *box, const double *from)
 {
-    double *distance = g_new0(double, cloud->count + 1);
-    for (uint32_t v = 0; v < cloud->variables; v++) {
-        const double width = box->upper[v] - box->lower[v];
-        if (!(width > 0))
-            continue;
-        const double scale = 1 / width;
-        const double middle = from[v];
-        const double *column = cloud_column(cloud, v);
+    enum { BLOCK = 1024 }; // so that the distances stay in the nearest cache
+    const struct cloud *cloud = keys->cloud;
+    memset(keys->key, 0, cloud->count * sizeof *keys->key);
+    for (uint32_t first = 0; first < cloud->count; first += BLOCK) {
+        const uint32_t count = cloud->count - first < BLOCK ? cloud->count - first : BLOCK;
+        double *distance = keys->key + first;
+        for (uint32_t v = 0; v < cloud->variables; v++) {
+            const double width = box->upper[v] - box->lower[v];
+            if (!(width > 0))
+                continue;
+            const double scale = 1 / width;
+            const double middle = from[v];
+            const double *column = cloud_column(cloud, v) + first;
 #pragma omp simd
-        for (uint32_t i = 0; i < cloud->count; i++) {
-            const double ahead = fabs(column[i] - middle) * scale;
-            distance[i] = ahead > distance[i] ? ahead : distance[i];
+            for (uint32_t i = 0; i < count; i++) {
+                const double ahead = fabs(column[i] - middle) * scale;
+                distance[i] = ahead > distance[i] ? ahead : distance[i];
+            }
         }
     }
+    keys->least = 0;
+    keys->most = 0;
     for (uint32_t i = 0; i < cloud->count; i++)
-        ranked[i].key = distance[i];
-    g_free(distance);
+        keys->most = keys->key[i] > keys->most ? keys->key[i] : keys->most;
 }
 
 // Everything the candidates share.
@@ -95,19 +127,23 @@ static void centre_of(const struct box *box, double *centre)
 static void pick_anchors(struct trimming *trimming, const struct box *box, const struct cloud *good,
                          uint32_t count)
 {
+    if (good->count == 0)
+        return;
     const uint32_t variables = box->count;
     double *centre = g_new(double, variables + 1);
-    struct ranked *ranked = g_new(struct ranked, good->count + 1);
+    struct keys keys = {.cloud = good, .key = g_new(double, good->count + 1)};
     centre_of(box, centre);
-    distances(ranked, good, box, centre);
-    rank(ranked, good);
+    distances(&keys, box, centre);
+    uint32_t *order = along_first(good, box);
+    rank(order, &keys);
     for (uint32_t i = 0; i < count && i < good->count; i++) {
         const uint32_t place = (uint32_t)((uint64_t)good->count * i / (2 * count));
         double *anchor = trimming->anchors + (size_t)trimming->anchor_count++ * variables;
         for (uint32_t v = 0; v < variables; v++)
-            anchor[v] = cloud_column(good, v)[ranked[place].point];
+            anchor[v] = cloud_column(good, v)[order[place]];
     }
-    g_free(ranked);
+    g_free(order);
+    g_free(keys.key);
     g_free(centre);
 }
 
@@ -136,20 +172,24 @@ static void add_anchor(struct trimming *trimming, const double *point)
 static void cut_all(struct carve *carve, enum order order)
 {
     const struct cloud *bad = carve->points->cloud;
-    struct ranked *ranked = g_new(struct ranked, bad->count + 1);
+    struct keys keys = {.cloud = bad, .key = g_new(double, bad->count + 1)};
     if (order == ORDER_NEAREST_FIRST) {
-        distances(ranked, bad, carve->grown, carve->anchor);
+        distances(&keys, carve->grown, carve->anchor);
     } else {
         const double sign = order == ORDER_WORST_FIRST ? -1 : 1;
         for (uint32_t i = 0; i < bad->count; i++)
-            ranked[i].key = sign * bad->violation[i];
+            keys.key[i] = sign * bad->violation[i];
+        keys.least = order == ORDER_WORST_FIRST ? -UINT16_MAX : 0;
+        keys.most = order == ORDER_WORST_FIRST ? 0 : UINT16_MAX;
     }
-    rank(ranked, bad);
+    uint32_t *points = g_memdup2(carve->points->order, bad->count * sizeof *points);
+    rank(points, &keys);
     for (uint32_t i = 0; i < bad->count; i++) {
-        if (carve_holds(carve, ranked[i].point))
-            carve_off(carve, ranked[i].point, CARVE_SIDE_NONE);
+        if (carve_holds(carve, points[i]))
+            carve_off(carve, points[i], CARVE_SIDE_NONE);
     }
-    g_free(ranked);
+    g_free(points);
+    g_free(keys.key);
 }
 
 // Candidate 0 starts from the previous box when `warm`, the others from the grown one: the first
@@ -254,7 +294,7 @@ bool trim(const struct box *grown, const struct box *previous, const struct clou
     }
     trimming.anchors = g_new(double, (size_t)(TRIM_ANCHOR_MAX + 1) * (grown->count + 1));
     const bool found = trimming.good.count > 0 || options->keep != NULL;
-    if (found && trimming.bad->count > 0) {
+    if (found && trimming.bad->count > 0 && grown->count > 0) {
         bool warm = false;
         if (options->keep != NULL) {
             warm = previous != NULL;
@@ -264,7 +304,7 @@ bool trim(const struct box *grown, const struct box *previous, const struct clou
             warm = pick_previous_anchor(&trimming);
             pick_anchors(&trimming, &whole, &trimming.good, options->anchors);
         }
-        carve_points_init(&trimming.points, trimming.bad, options->threads);
+        carve_points_init(&trimming.points, trimming.bad, &whole, options->threads);
         trim_from_anchors(&trimming, warm, options, trimmed);
         carve_points_fini(&trimming.points);
     } else {

@@ -103,14 +103,14 @@ static void measure(struct size size, int threads)
 
 int main(int argc, char **argv)
 {
-    static const struct size sizes[] = {
-        {200, 2},    {200, 18},    {200, 100},   {1000, 18},    {4000, 18},  {4000, 100},
-        {20000, 18}, {20000, 100}, {100000, 18}, {100000, 100}, {4000, 700}, {20000, 700},
-    };
+    static const uint32_t samples[] = {200, 1000, 4000, 20000, 100000};
+    static const uint32_t variables[] = {2, 18, 100, 700};
     const int threads = argc > 1 ? atoi(argv[1]) : 1;
     printf("samples,variables,bad,threads,wall_ms,processor_ms,log_volume\n");
-    for (size_t i = 0; argc <= 3 && i < sizeof sizes / sizeof *sizes; i++)
-        measure(sizes[i], threads);
+    for (size_t v = 0; argc <= 3 && v < sizeof variables / sizeof *variables; v++) {
+        for (size_t i = 0; i < sizeof samples / sizeof *samples; i++)
+            measure((struct size){samples[i], variables[v]}, threads);
+    }
     for (int i = 2; i + 1 < argc; i += 2)
         measure((struct size){(uint32_t)atoi(argv[i]), (uint32_t)atoi(argv[i + 1])}, threads);
     return 0;

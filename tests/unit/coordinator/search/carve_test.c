@@ -15,15 +15,35 @@ static void assert_consistent(const struct carve *carve)
 {
     const struct cloud *bad = carve->points->cloud;
     for (uint32_t i = 0; i < bad->count; i++) {
-        uint64_t out = 0;
+        uint32_t count = 0;
+        uint32_t sum = 0;
         for (uint32_t v = 0; v < bad->variables; v++) {
             const double coordinate = cloud_column(bad, v)[i];
-            if (coordinate < carve->box.lower[v])
-                out += UINT64_C(1) << 32 | 2 * v;
-            if (coordinate > carve->box.upper[v])
-                out += UINT64_C(1) << 32 | (2 * v + 1);
+            const bool below = coordinate < carve->box.lower[v];
+            const bool above = coordinate > carve->box.upper[v];
+            count += below || above;
+            sum += (below || above) ? 2 * v + above : 0;
         }
-        assert_true(carve->out[i] == out);
+        assert_int_equal(carve->out[i] & UINT16_MAX, count);
+        assert_int_equal(carve->out[i] >> 16, sum);
+    }
+}
+
+// Limits are kept up through all moves; here each is found anew. A support that got lost would let
+// a side move over a bad point, and one that was kept too long would hold it back.
+static void assert_limits(const struct carve *carve)
+{
+    const struct cloud *bad = carve->points->cloud;
+    for (uint32_t side = 0; side < 2 * bad->variables; side++) {
+        const double *column = cloud_column(bad, side / 2);
+        const bool lower = side % 2 == 0;
+        double limit = lower ? carve->grown->lower[side / 2] : carve->grown->upper[side / 2];
+        for (uint32_t i = 0; i < bad->count; i++) {
+            if (carve->out[i] == (side << 16 | 1))
+                limit = lower ? fmax(limit, nextafter(column[i], INFINITY))
+                              : fmin(limit, nextafter(column[i], -INFINITY));
+        }
+        assert_true(carve->limit[side] == limit);
     }
 }
 
@@ -43,7 +63,7 @@ static void bookkeeping_matches_the_box(void **state)
     }
     const double anchor[4] = {0.51, 0.52, 0.53, 0.54};
     struct carve_points points;
-    carve_points_init(&points, &bad, 1);
+    carve_points_init(&points, &bad, &grown, 1);
     struct carve carve;
     struct carve scratch;
     carve_init(&carve, &grown, &points);
@@ -59,11 +79,15 @@ static void bookkeeping_matches_the_box(void **state)
     const struct volume cut = volume_of(&carve.box, &grown);
     carve_expand(&carve);
     assert_consistent(&carve);
+    assert_limits(&carve);
     assert_false(volume_above(cut, volume_of(&carve.box, &grown)));
     const struct volume expanded = volume_of(&carve.box, &grown);
-    while (carve_improve(&carve, &scratch))
+    while (carve_improve(&carve, &scratch)) {
         assert_consistent(&carve);
+        assert_limits(&carve);
+    }
     assert_consistent(&carve);
+    assert_limits(&carve);
     assert_false(volume_above(expanded, volume_of(&carve.box, &grown)));
     for (uint32_t i = 0; i < bad.count; i++)
         assert_false(carve_holds(&carve, i));
@@ -84,7 +108,7 @@ static void improving_leaves_a_local_best(void **state)
     struct cloud bad = CLOUD(2, .72, .75, .7, .35);
     const double anchor[2] = {.3, .3};
     struct carve_points points;
-    carve_points_init(&points, &bad, 1);
+    carve_points_init(&points, &bad, &grown, 1);
     struct carve carve;
     struct carve scratch;
     carve_init(&carve, &grown, &points);
