@@ -143,31 +143,42 @@ static double bound_inside(uint32_t side, double coordinate)
     return side % 2 == 0 ? nextafter(coordinate, INFINITY) : nextafter(coordinate, -INFINITY);
 }
 
+// For each variable the share of its width that is left when a point is cut off on its side of the
+// anchor.
+static void find_shares(double *restrict shares, const double *restrict row, const struct box *box,
+                        const double *restrict anchor)
+{
+    const double *restrict lower = box->lower;
+    const double *restrict upper = box->upper;
+    const uint32_t count = box->count;
+#pragma omp simd
+    for (uint32_t v = 0; v < count; v++) {
+        const double from = lower[v];
+        const double to = upper[v];
+        const double kept = row[v] > anchor[v] ? from : to;
+        shares[v] = fabs(row[v] - kept) / (to - from);
+    }
+}
+
 bool carve_off(struct carve *carve, uint32_t point, uint32_t forbidden)
 {
     const uint32_t variables = carve->grown->count;
-    const struct cloud *bad = carve->points->cloud;
     const double *anchor = carve->anchor;
-    const double *lower = carve->box.lower;
-    const double *upper = carve->box.upper;
     double *row = carve->row;
-    double *shares = carve->shares;
     for (uint32_t v = 0; v < variables; v++)
-        row[v] = cloud_column(bad, v)[point];
-        // An equal coordinate cannot separate the two; it would cut the anchor off.
-#pragma omp simd
-    for (uint32_t v = 0; v < variables; v++) {
-        const double left = row[v] > anchor[v] ? row[v] - lower[v] : upper[v] - row[v];
-        const double share = left / (upper[v] - lower[v]);
-        shares[v] = row[v] == anchor[v] ? -1 : share;
-    }
-    if (forbidden != CARVE_SIDE_NONE &&
-        (row[forbidden / 2] > anchor[forbidden / 2]) == forbidden % 2)
-        shares[forbidden / 2] = -1;
+        row[v] = cloud_column(carve->points->cloud, v)[point];
+    find_shares(carve->shares, row, &carve->box, anchor);
     uint32_t best = 0;
-    for (uint32_t v = 1; v < variables; v++)
-        best = shares[v] > shares[best] ? v : best;
-    if (!(shares[best] >= 0))
+    double most = -1;
+    for (uint32_t v = 0; v < variables; v++) {
+        // An equal coordinate cannot separate the two; it would cut the anchor off.
+        if (carve->shares[v] > most && row[v] != anchor[v] &&
+            2 * v + (row[v] > anchor[v]) != forbidden) {
+            best = v;
+            most = carve->shares[v];
+        }
+    }
+    if (!(most >= 0))
         return false;
     const uint32_t side = 2 * best + (row[best] > anchor[best]);
     carve_cut(carve, side, bound_inside(side, row[best]));
@@ -256,8 +267,11 @@ static uint32_t best_side_out(const struct carve *carve)
     for (uint32_t side = 0; side < 2 * carve->grown->count; side++) {
         const double lower = carve->box.lower[side / 2];
         const double upper = carve->box.upper[side / 2];
-        const double width =
-            side % 2 == 0 ? upper - carve->limit[side] : carve->limit[side] - lower;
+        const double limit = carve->limit[side];
+        // Most sides are at rest; a division for each would be most of an expansion.
+        if (limit == (side % 2 == 0 ? lower : upper))
+            continue;
+        const double width = side % 2 == 0 ? upper - limit : limit - lower;
         const double gain = width / (upper - lower);
         if (gain > best_gain) {
             best = side;
