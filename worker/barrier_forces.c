@@ -7,6 +7,7 @@
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
+#include "worker/reduction/doubts.h"
 #include "worker/reduction/reduction.h"
 
 #include <errno.h>
@@ -33,6 +34,9 @@ static const char program_description[] =
     "scenario's axes: forwards is -x. Springs that share y need their height (m above the road) "
     "in\n"
     "the scenario.\n"
+    "\n"
+    "Forces and motion are held against each other (\"balance\", \"doubts\"); what contradicts\n"
+    "the mass and the motion beyond all meaning is an error.\n"
     "\n"
     "Exit status: 0 done; 1 failed while running; 2 usage or invalid input.";
 
@@ -232,6 +236,49 @@ static void note_doubts(const struct options *options, const struct reduction_su
     }
 }
 
+// Notes what contradicts what. What cannot be meant is an error: the curves would be worth nothing.
+static enum status judge_balance(const struct options *options, const struct doubts *doubts,
+                                 struct error *error)
+{
+    for (uint32_t i = 0; i + doubts->impossible < doubts->count; i++) {
+        log_note("%s: %s", options->forces, doubts->text[i]);
+    }
+    if (!doubts->impossible) {
+        return STATUS_OK;
+    }
+    return error_set(error, STATUS_INVALID, "%s and %s: %s", options->forces, options->motion,
+                     doubts->text[doubts->count - 1]);
+}
+
+// A number as JSON; what is not finite has no number there.
+static json_t *json_number(double number)
+{
+    return isfinite(number) ? json_real(number) : json_null();
+}
+
+static json_t *balance_lines(const struct balance *balance)
+{
+    json_t *object = json_object();
+    for (int k = 0; k < MOTION_QUANTITY_COUNT; k++) {
+        const struct balance_line *line = &balance->lines[k];
+        json_object_set_new(object, motion_quantity_name((enum motion_quantity)k),
+                            json_pack("{s:f, s:f, s:o, s:f, s:f}", "impulse", line->impulse,
+                                      "momentum_change", line->change, "ratio",
+                                      json_number(line->ratio), "motion_error", line->error,
+                                      "moved", line->moved));
+    }
+    return object;
+}
+
+static json_t *doubt_texts(const struct doubts *doubts)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < doubts->count; i++) {
+        json_array_append_new(array, json_string(doubts->text[i]));
+    }
+    return array;
+}
+
 static json_t *spring_points(const struct design *design, const struct scenario *scenario)
 {
     json_t *object = json_object();
@@ -247,15 +294,16 @@ static json_t *spring_points(const struct design *design, const struct scenario 
 }
 
 static enum status print_summary(const struct reduction_summary *summary,
-                                 const struct design *design, const struct scenario *scenario,
-                                 struct error *error)
+                                 const struct doubts *doubts, const struct design *design,
+                                 const struct scenario *scenario, struct error *error)
 {
     json_t *object = json_pack(
-        "{s:I, s:I, s:f, s:f, s:f, s:s, s:[f,f], s:{s:I, s:f}, s:f, s:f, s:o}", "node_forces",
-        (json_int_t)summary->node_forces, "times", (json_int_t)summary->times, "time_first",
-        summary->time_first, "time_last", summary->time_last, "gap_max", summary->gap, "forces_on",
-        summary->turned ? "barrier" : "vehicle", "impulse", summary->impulse[0],
-        summary->impulse[1], "outside", "count", (json_int_t)summary->outside_count, "share",
+        "{s:I, s:I, s:f, s:f, s:f, s:s, s:[f,f], s:o, s:o, s:{s:I, s:f}, s:f, s:f, s:o}",
+        "node_forces", (json_int_t)summary->node_forces, "times", (json_int_t)summary->times,
+        "time_first", summary->time_first, "time_last", summary->time_last, "gap_max", summary->gap,
+        "forces_on", summary->turned ? "barrier" : "vehicle", "impulse", summary->impulse[0],
+        summary->impulse[1], "balance", balance_lines(&summary->balance), "doubts",
+        doubt_texts(doubts), "outside", "count", (json_int_t)summary->outside_count, "share",
         summary->outside_share, "undeformed_share", summary->undeformed_share, "repeated_share",
         summary->repeated_share, "springs", spring_points(design, scenario));
     const bool printed = json_dumpf(object, stdout, JSON_INDENT(2)) == 0 && putchar('\n') != EOF &&
@@ -278,16 +326,21 @@ static enum status reduce(const struct options *options, const struct scenario *
     }
     struct design design = {0};
     struct reduction_summary summary;
+    struct doubts doubts;
     enum status status = open_and_read_forces(options->forces, reduction, error);
     if (status == STATUS_OK) {
         status = reduction_finish(reduction, &design, &summary, error);
     }
     if (status == STATUS_OK) {
         note_doubts(options, &summary);
+        doubts_find(&doubts, &summary.balance, scenario);
+        status = judge_balance(options, &doubts, error);
+    }
+    if (status == STATUS_OK) {
         status = write_design(options->output, &design, scenario, error);
     }
     if (status == STATUS_OK) {
-        status = print_summary(&summary, &design, scenario, error);
+        status = print_summary(&summary, &doubts, &design, scenario, error);
     }
     design_fini(&design);
     reduction_free(reduction);

@@ -53,12 +53,12 @@ struct reduction {
     // All times.
     GArray *samples[SCENARIO_SPRING_MAX]; // of struct branches_sample
     struct reduction_summary summary;
-    double total;           // [N] sum of |force|
-    double outside;         // [N]
-    double undeformed;      // [N]
-    double force_sum[2];    // [N] of the time being read, in road axes
-    double force_before[2]; // [N] of the time before
-    double time_before;     // [s]
+    double total;              // [N] sum of |force|
+    double outside;            // [N]
+    double undeformed;         // [N]
+    double cog[2];             // [m] at the time being read
+    struct balance_sample all; // of the time being read
+    GArray *sums;              // of struct balance_sample
 };
 
 struct reduction *reduction_create(const struct scenario *scenario, const struct motion *motion,
@@ -69,6 +69,7 @@ struct reduction *reduction_create(const struct scenario *scenario, const struct
     reduction->motion = motion;
     reduction->nodes = g_hash_table_new(g_direct_hash, g_direct_equal);
     reduction->csv.source = source;
+    reduction->sums = g_array_new(FALSE, FALSE, sizeof(struct balance_sample));
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         reduction->samples[i] = g_array_new(FALSE, FALSE, sizeof(struct branches_sample));
     }
@@ -87,6 +88,7 @@ void reduction_free(struct reduction *reduction)
     for (uint32_t i = 0; i < reduction->scenario->spring_count; i++) {
         g_array_free(reduction->samples[i], TRUE);
     }
+    g_array_free(reduction->sums, TRUE);
     g_hash_table_destroy(reduction->nodes);
     g_free(reduction);
 }
@@ -111,6 +113,8 @@ static void move_vehicle(struct reduction *reduction, double time)
         const double to = motion->value[i][after];
         now[i] = share < 1.0 ? from + share * (to - from) : to;
     }
+    reduction->cog[0] = now[MOTION_X];
+    reduction->cog[1] = now[MOTION_Y];
     reduction->yaw = now[MOTION_YAW];
     reduction->summary.yaw_max = fmax(reduction->summary.yaw_max, fabs(reduction->yaw));
     patches_move(&reduction->patches, now[MOTION_X], now[MOTION_Y], now[MOTION_YAW]);
@@ -127,8 +131,8 @@ static void begin_time(struct reduction *reduction, double time)
     }
     summary->times++;
     summary->time_last = time;
-    reduction->time_before = reduction->time;
     reduction->time = time;
+    reduction->all = (struct balance_sample){.time = time};
     g_hash_table_remove_all(reduction->nodes);
     for (uint32_t i = 0; i < reduction->scenario->spring_count; i++) {
         reduction->force[i][0] = reduction->force[i][1] = 0.0;
@@ -154,13 +158,7 @@ static void end_time(struct reduction *reduction)
         };
         g_array_append_val(reduction->samples[i], sample);
     }
-    const double span = reduction->summary.times > 1 ? reduction->time - reduction->time_before : 0;
-    for (int k = 0; k < 2; k++) {
-        reduction->summary.impulse[k] +=
-            0.5 * span * (reduction->force_before[k] + reduction->force_sum[k]);
-        reduction->force_before[k] = reduction->force_sum[k];
-        reduction->force_sum[k] = 0.0;
-    }
+    g_array_append_val(reduction->sums, reduction->all);
 }
 
 // ---- The table ----
@@ -216,6 +214,17 @@ static enum status check_node(struct reduction *reduction, double node, struct e
     return STATUS_OK;
 }
 
+// Nodes lie on the plane of the face; the arc of a rounded edge is taken for a part of it.
+static void add_to_all(struct reduction *reduction, const double force[2], double y)
+{
+    const double lever_x = reduction->scenario->barrier.face_x - reduction->cog[0];
+    const double lever_y = y - reduction->cog[1];
+    double *all = reduction->all.force;
+    all[MOTION_X] += force[0];
+    all[MOTION_Y] += force[1];
+    all[MOTION_YAW] += lever_x * force[1] - lever_y * force[0];
+}
+
 static void take_force(struct reduction *reduction, const double number[COLUMN_COUNT])
 {
     const double force[2] = {number[COLUMN_NORMAL_X] + number[COLUMN_SHEAR_X],
@@ -224,9 +233,7 @@ static void take_force(struct reduction *reduction, const double number[COLUMN_C
     const uint32_t spring = patches_find(&reduction->patches, number[COLUMN_Y], number[COLUMN_Z]);
     reduction->summary.node_forces++;
     reduction->total += size;
-    for (int k = 0; k < 2; k++) {
-        reduction->force_sum[k] += force[k];
-    }
+    add_to_all(reduction, force, number[COLUMN_Y]);
     if (spring == PATCHES_NONE) {
         reduction->summary.outside_count += size > 0.0;
         reduction->outside += size;
@@ -296,6 +303,18 @@ enum status reduction_read(struct reduction *reduction, const char *text, size_t
 
 // ---- The curves ----
 
+// Impulse of all times in x and y, as the table states the forces.
+static void add_impulse(struct reduction *reduction)
+{
+    const struct balance_sample *sums = (const struct balance_sample *)reduction->sums->data;
+    for (uint32_t i = 1; i < reduction->sums->len; i++) {
+        const double span = sums[i].time - sums[i - 1].time;
+        for (int k = 0; k < 2; k++) {
+            reduction->summary.impulse[k] += 0.5 * span * (sums[i - 1].force[k] + sums[i].force[k]);
+        }
+    }
+}
+
 // Forces as they act on the vehicle. Tables state either side of the contact; over a crash the
 // barrier can only slow the vehicle, which tells the two apart.
 static void face_vehicle(struct reduction *reduction)
@@ -352,7 +371,11 @@ enum status reduction_finish(struct reduction *reduction, struct design *design,
     if (check_table(reduction, error) != STATUS_OK) {
         return STATUS_INVALID;
     }
+    add_impulse(reduction);
     face_vehicle(reduction);
+    balance_make(&reduction->summary.balance, (const struct balance_sample *)reduction->sums->data,
+                 reduction->sums->len, reduction->summary.turned ? -1.0 : 1.0, reduction->motion,
+                 reduction->scenario);
     const uint32_t point_max = DESIGN_POINT_MAX / (2 * reduction->scenario->spring_count);
     double repeated = 0.0;
     design_init(design, reduction->scenario);

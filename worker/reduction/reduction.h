@@ -16,6 +16,7 @@
 
 #include "worker/models/design.h"
 #include "worker/models/motion.h"
+#include "worker/reduction/balance.h"
 
 enum {
     REDUCTION_TIME_MAX = 200000, // times of a table: with 64 springs 0.3 GB
@@ -36,6 +37,7 @@ struct reduction_summary {
     double undeformed_share; // of forces in the patch of a spring that the barrier had not reached
     double repeated_share;   // of forces at deformations that the spring had passed before
     double yaw_max;          // [rad] greatest |yaw|; from a quarter turn on no spring has a patch
+    struct balance balance;  // whether forces and motion belong to each other (doubts.h)
 };
 
 struct reduction;
