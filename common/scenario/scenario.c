@@ -43,9 +43,9 @@ const char *const scenario_response_words[] = {
     NULL,
 };
 const char *const scenario_sampling_words[] = {
-    [SCENARIO_SAMPLING_UNIFORM] = "uniform",
-    [SCENARIO_SAMPLING_LATIN_HYPERCUBE] = "latin_hypercube",
-    [SCENARIO_SAMPLING_SOBOL] = "sobol",
+    [SAMPLING_METHOD_UNIFORM] = "uniform",
+    [SAMPLING_METHOD_LATIN_HYPERCUBE] = "latin_hypercube",
+    [SAMPLING_METHOD_SOBOL] = "sobol",
     NULL,
 };
 
@@ -79,7 +79,7 @@ void scenario_init(struct scenario *scenario)
                 .certificate_samples = 10000,
                 .target_purity = 0.99,
                 .seed = 1,
-                .sampling = SCENARIO_SAMPLING_UNIFORM,
+                .sampling = SAMPLING_METHOD_UNIFORM,
                 .explain_samples = SCENARIO_EXPLAIN_AUTO,
             },
     };
@@ -212,7 +212,7 @@ const char *scenario_reloading_name(enum scenario_reloading reloading)
     return scenario_reloading_words[reloading];
 }
 
-const char *scenario_sampling_name(enum scenario_sampling sampling)
+const char *scenario_sampling_name(enum sampling_method sampling)
 {
     return scenario_sampling_words[sampling];
 }

@@ -6,23 +6,24 @@
 
 #include "common/numeric/box.h"
 #include "common/numeric/digest.h"
+#include "common/protocol/protocol.h"
 #include "common/scenario/outcome.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
 enum {
-    SCENARIO_NAME_SIZE = 64,          // [bytes] of any name, with its NUL
-    SCENARIO_SPRING_MAX = 64,         // spring pairs
-    SCENARIO_POINT_MAX = 32,          // discretization points of a spring
-    SCENARIO_VARIABLE_MAX = 4096,     // = springs x 2 directions x points
+    SCENARIO_NAME_SIZE = 64,                       // [bytes] of any name, with its NUL
+    SCENARIO_SPRING_MAX = 64,                      // spring pairs
+    SCENARIO_POINT_MAX = 32,                       // discretization points of a spring
+    SCENARIO_VARIABLE_MAX = PROTOCOL_VARIABLE_MAX, // = springs x 2 directions x points
     SCENARIO_CONSTRAINT_MAX = 255,    // of all cases, so that a constraint fits a byte on the wire
     SCENARIO_CASE_MAX = 32,           // load cases of one scenario
     SCENARIO_ROW_MAX = 256,           // rows of the matrix of the linear model
     SCENARIO_START_MAX = 1024,        // starts of one search
     SCENARIO_NO_SPRING = UINT32_MAX,  // the spring of a variable that is no spring's force
     SCENARIO_OUTCOME_NAME_SIZE = 160, // [bytes] "CASE.energy_absorbed.SPRING" with its NUL
-    SCENARIO_TEXT_SIZE_MAX = 1 << 20, // [bytes] of YAML; larger files are refused
+    SCENARIO_TEXT_SIZE_MAX = PROTOCOL_TEXT_SIZE_MAX, // [bytes] of YAML; larger files are refused
 };
 
 // What turns a design into outcomes. All but the first are functions in closed form (formula.h).
@@ -49,11 +50,6 @@ enum scenario_response {
     SCENARIO_RESPONSE_ANY,
     SCENARIO_RESPONSE_ROTATING,
     SCENARIO_RESPONSE_GLANCING_OFF,
-};
-enum scenario_sampling {
-    SCENARIO_SAMPLING_UNIFORM,
-    SCENARIO_SAMPLING_LATIN_HYPERCUBE,
-    SCENARIO_SAMPLING_SOBOL,
 };
 enum scenario_direction { SCENARIO_DIRECTION_X, SCENARIO_DIRECTION_Y, SCENARIO_DIRECTION_COUNT };
 
@@ -119,7 +115,7 @@ struct scenario_search {
     uint32_t certificate_samples;
     double target_purity; // in (0, 1)
     uint64_t seed;
-    enum scenario_sampling sampling; // of all steps but the certificate's, which are uniform
+    enum sampling_method sampling; // of all steps but the certificate's, which are uniform
 
     uint32_t starts;      // starts to try, 0..SCENARIO_START_MAX; 0: as many as the search finds
                           // right. A given start is the first of them; each has at least two
@@ -244,7 +240,7 @@ const char *scenario_model_name(enum scenario_model model);
 const char *scenario_response_name(enum scenario_response response);
 const char *scenario_integrator_name(enum scenario_integrator integrator);
 const char *scenario_reloading_name(enum scenario_reloading reloading);
-const char *scenario_sampling_name(enum scenario_sampling sampling);
+const char *scenario_sampling_name(enum sampling_method sampling);
 const char *scenario_profile_name(enum scenario_profile profile);
 const char *scenario_direction_name(enum scenario_direction direction);
 

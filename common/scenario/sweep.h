@@ -29,9 +29,9 @@
 #include <stdint.h>
 
 enum {
-    SWEEP_CASE_MAX = 100000,   // more are refused
-    SWEEP_COLUMN_MAX = 64,     // keys that change, over all axes
-    SWEEP_CASE_NAME_SIZE = 256 // [bytes] with its NUL
+    SWEEP_CASE_MAX = 100000,              // more are refused
+    SWEEP_COLUMN_MAX = PROTOCOL_AXIS_MAX, // keys that change, over all axes
+    SWEEP_CASE_NAME_SIZE = 256            // [bytes] with its NUL
 };
 
 struct sweep;

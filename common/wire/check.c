@@ -1,6 +1,7 @@
 #include "common/wire/check.h"
 
 #include "common/numeric/verdict.h"
+#include "common/protocol/protocol.h"
 
 #include <glib.h>
 #include <math.h>
@@ -10,16 +11,7 @@ enum {
     FINGERPRINT_SIZE = 8,
     HEAD_SIZE = FINGERPRINT_SIZE + 24, // [bytes] with the header
     COUNT_SIZE = 4,
-    SAMPLES_MAX = 65536,         // of one batch
-    TEXT_SIZE_MAX = 1024 * 1024, // [bytes] of a scenario or box that travels in pieces
-    SAMPLING_COUNT = 3,          // enum scenario_sampling (common/scenario/scenario.h)
-    SEARCH_PHASE_COUNT = 6,      // enum search_phase (coordinator/search/search.h)
-    SEARCH_STATUS_COUNT = 4,     // enum search_status (same)
-    RUN_STATE_COUNT = 5,         // see run_status_t.lcm
-    STANDING_COUNT = 4,          // see search_status_t.lcm
-    VARIABLE_MAX = 4096,         // SCENARIO_VARIABLE_MAX
-    CASE_COLUMN_MAX = 65,        // a name and SWEEP_COLUMN_MAX values
-    BOUND_SIZES = 4 * 8,         // [bytes] a variable: lower and upper of two boxes
+    BOUND_SIZES = 4 * 8, // [bytes] a variable: lower and upper of two boxes
 };
 
 // Elements of `unit` bytes that fit the largest message of this fixed size.
@@ -121,7 +113,7 @@ static bool bounds_ok(const double *bounds, int32_t count, int32_t count_max)
 
 static bool samples_ok(int32_t first, int32_t count)
 {
-    return first >= 0 && count >= 1 && count <= SAMPLES_MAX;
+    return first >= 0 && count >= 1 && count <= PROTOCOL_BATCH_SAMPLES_MAX;
 }
 
 static bool sample_batch_ok(const sobox_sample_batch_t *m)
@@ -129,7 +121,8 @@ static bool sample_batch_ok(const sobox_sample_batch_t *m)
     return m->holder != 0 && NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt) &&
            samples_ok(m->first, m->count) &&
            m->step_samples >= (int64_t)m->first + (int64_t)m->count && m->sampling >= 0 &&
-           m->sampling < SAMPLING_COUNT && m->detail >= 0 && m->detail < VERDICT_DETAIL_COUNT &&
+           m->sampling < SAMPLING_METHOD_COUNT && m->detail >= 0 &&
+           m->detail < VERDICT_DETAIL_COUNT &&
            bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SAMPLE_BATCH].count_max);
 }
 
@@ -148,14 +141,14 @@ static bool outcome_batch_ok(const sobox_outcome_batch_t *m)
 
 static bool text_ok(const sobox_text_t *m)
 {
-    return m->total_size >= 1 && m->total_size <= TEXT_SIZE_MAX && m->piece_size >= 1 &&
+    return m->total_size >= 1 && m->total_size <= PROTOCOL_TEXT_SIZE_MAX && m->piece_size >= 1 &&
            m->piece_size <= kinds[WIRE_TEXT].count_max && m->piece_size <= m->total_size &&
            m->offset >= 0 && m->offset <= m->total_size - m->piece_size;
 }
 
 static bool text_request_ok(const sobox_text_request_t *m)
 {
-    return m->offset >= 0 && m->offset < TEXT_SIZE_MAX;
+    return m->offset >= 0 && m->offset < PROTOCOL_TEXT_SIZE_MAX;
 }
 
 static bool worker_status_ok(const sobox_worker_status_t *m)
@@ -179,8 +172,8 @@ static bool search_status_ok(const sobox_search_status_t *m)
 {
     return NOT_NEGATIVE(m->search, m->step, m->step_count, m->evaluations) && m->phase >= 0 &&
            m->phase < SEARCH_PHASE_COUNT && m->status >= 0 && m->status < SEARCH_STATUS_COUNT &&
-           m->standing >= 0 && m->standing < STANDING_COUNT && m->variables >= 0 &&
-           m->variables <= VARIABLE_MAX && m->first_variable >= 0 && m->bound_count >= 0 &&
+           m->standing >= 0 && m->standing < SEARCH_STANDING_COUNT && m->variables >= 0 &&
+           m->variables <= PROTOCOL_VARIABLE_MAX && m->first_variable >= 0 && m->bound_count >= 0 &&
            m->first_variable <= m->variables - m->bound_count / 2 && share_ok(m->good_share) &&
            share_ok(m->purity_lower95) && m->log_volume <= 0.0 &&
            bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SEARCH_STATUS].count_max);
@@ -191,10 +184,10 @@ static bool search_status_ok(const sobox_search_status_t *m)
 static bool step_status_ok(const sobox_step_status_t *m)
 {
     if (!NOT_NEGATIVE(m->search, m->step, m->good, m->count, m->first_variable) || m->phase < 0 ||
-        m->phase >= SEARCH_PHASE_COUNT || m->sampling < 0 || m->sampling >= SAMPLING_COUNT ||
+        m->phase >= SEARCH_PHASE_COUNT || m->sampling < 0 || m->sampling >= SAMPLING_METHOD_COUNT ||
         m->detail < 0 || m->detail >= VERDICT_DETAIL_COUNT || m->samples < 1 ||
-        m->good > m->samples || m->count > m->samples || m->count > SAMPLES_MAX ||
-        m->variables < 1 || m->variables > VARIABLE_MAX || m->window < 1 ||
+        m->good > m->samples || m->count > m->samples || m->count > PROTOCOL_BATCH_SAMPLES_MAX ||
+        m->variables < 1 || m->variables > PROTOCOL_VARIABLE_MAX || m->window < 1 ||
         m->window > m->variables || m->first_variable > m->variables - m->window ||
         m->packed_size > kinds[WIRE_STEP_STATUS].count_max)
         return false;
@@ -207,7 +200,7 @@ static bool step_status_ok(const sobox_step_status_t *m)
 
 static bool cases_ok(const sobox_cases_t *m)
 {
-    if (m->first < -1 || m->columns < 1 || m->columns > CASE_COLUMN_MAX || m->text_size < 1 ||
+    if (m->first < -1 || m->columns < 1 || m->columns > 1 + PROTOCOL_AXIS_MAX || m->text_size < 1 ||
         m->text_size > kinds[WIRE_CASES].count_max)
         return false;
     int32_t texts = 0;

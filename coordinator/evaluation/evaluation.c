@@ -14,13 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const state_names[] = {
-    [EVALUATION_RUNNING] = "running",
-    [EVALUATION_INTERRUPTED] = "interrupted",
-    [EVALUATION_FAILED] = "failed",
-    [EVALUATION_DONE] = "done",
-};
-
 static char *path_of(const char *directory, const char *name)
 {
     return g_build_filename(directory, name, NULL);
@@ -56,13 +49,13 @@ static enum status note(struct evaluation *evaluation, int64_t now_ns, struct er
     char *path = designs_path(evaluation), *designs = g_utf8_make_valid(path, -1);
     json_t *object = json_pack(
         "{s:s, s:s, s:s, s:s, s:o, s:I, s:I, s:I, s:f, s:I, s:I, s:s, s:s%}", "name",
-        scenario->name, "version", SOBOX_VERSION, "state", state_names[evaluation->state],
-        "designs", designs, "outcomes", outcomes, "rows", (json_int_t)evaluation->rows, "good",
-        (json_int_t)evaluation->sums.good, "non_finite", (json_int_t)evaluation->sums.non_finite,
-        "elapsed_s", (double)elapsed_ns / CLOCK_SECOND_NS, "bytes_read",
-        (json_int_t)evaluation->bytes_read, "bytes_written", (json_int_t)evaluation->bytes_written,
-        "digest", digest_hex(&evaluation->digest, hex), "scenario", scenario->text,
-        scenario->text_size);
+        scenario->name, "version", SOBOX_VERSION, "state",
+        protocol_run_state_name(evaluation->state), "designs", designs, "outcomes", outcomes,
+        "rows", (json_int_t)evaluation->rows, "good", (json_int_t)evaluation->sums.good,
+        "non_finite", (json_int_t)evaluation->sums.non_finite, "elapsed_s",
+        (double)elapsed_ns / CLOCK_SECOND_NS, "bytes_read", (json_int_t)evaluation->bytes_read,
+        "bytes_written", (json_int_t)evaluation->bytes_written, "digest",
+        digest_hex(&evaluation->digest, hex), "scenario", scenario->text, scenario->text_size);
     g_free(designs);
     g_free(path);
     char *text = json_dumps(object, JSON_INDENT(2));
@@ -134,7 +127,7 @@ static enum status take_object(struct evaluation *evaluation, json_t *object, co
                          "%s: begun by sobox %s, which may compute otherwise than this one (%s): "
                          "continue it with that version",
                          evaluation->directory, version, SOBOX_VERSION);
-    if (strcmp(state, state_names[EVALUATION_DONE]) == 0)
+    if (strcmp(state, protocol_run_state_name(RUN_STATE_DONE)) == 0)
         return error_set(error, STATUS_REFUSED, "%s: this evaluation is done: see its outcomes.csv",
                          evaluation->directory);
     evaluation->rows = (uint64_t)rows;
@@ -291,8 +284,8 @@ enum status evaluation_note(struct evaluation *evaluation, int64_t now_ns, struc
     return evaluation->rows == evaluation->noted_rows ? STATUS_OK : note(evaluation, now_ns, error);
 }
 
-enum status evaluation_end(struct evaluation *evaluation, enum evaluation_state state,
-                           int64_t now_ns, struct error *error)
+enum status evaluation_end(struct evaluation *evaluation, enum run_state state, int64_t now_ns,
+                           struct error *error)
 {
     evaluation->state = state;
     return note(evaluation, now_ns, error);

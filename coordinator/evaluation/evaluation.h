@@ -10,18 +10,12 @@
 #define SOBOX_COORDINATOR_EVALUATION_EVALUATION_H
 
 #include "common/numeric/digest.h"
+#include "common/protocol/protocol.h"
 #include "coordinator/evaluation/outcomes.h"
 #include "coordinator/journal/journal_lock.h"
 
 #include <stdbool.h>
 #include <stdint.h>
-
-enum evaluation_state {
-    EVALUATION_RUNNING,
-    EVALUATION_INTERRUPTED,
-    EVALUATION_FAILED,
-    EVALUATION_DONE,
-};
 
 struct evaluation {
     char *directory;
@@ -32,7 +26,7 @@ struct evaluation {
     char *designs;            // path of the table as given; "-": standard input
     struct scenario scenario; // as it was begun with
     struct outcomes_layout outcomes;
-    enum evaluation_state state;
+    enum run_state state;
     uint64_t rows; // designs whose outcomes are written
     struct outcomes_sums sums;
     uint64_t bytes_read;    // of the table, up to the end of the last of them
@@ -80,8 +74,8 @@ enum status evaluation_note(struct evaluation *evaluation, int64_t now_ns,
                             struct error *error) MUST_USE;
 
 // Writes the state in which it ends for now. Errors: STATUS_IO.
-enum status evaluation_end(struct evaluation *evaluation, enum evaluation_state state,
-                           int64_t now_ns, struct error *error) MUST_USE;
+enum status evaluation_end(struct evaluation *evaluation, enum run_state state, int64_t now_ns,
+                           struct error *error) MUST_USE;
 
 // The digest of all pieces up to one, from that of those before it.
 struct digest evaluation_digest(const struct digest *before, const struct digest *piece);

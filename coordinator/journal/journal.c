@@ -39,19 +39,6 @@ static const char APPEND[] =
     "INSERT INTO step (id, search, step, phase, samples, good, growth, log_volume, exact, bounds,"
     " detail, verdicts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
 
-static const char *const STATE_NAMES[] = {
-    [JOURNAL_STATE_RUNNING] = "running",
-    [JOURNAL_STATE_DONE] = "done",
-    [JOURNAL_STATE_INTERRUPTED] = "interrupted",
-    [JOURNAL_STATE_FAILED] = "failed",
-};
-
-const char *journal_state_name(enum journal_state state)
-{
-    assert(state < G_N_ELEMENTS(STATE_NAMES));
-    return STATE_NAMES[state];
-}
-
 int64_t journal_step_id(uint32_t search, uint32_t step)
 {
     assert(search <= INT32_MAX); // ids stay positive and ordered
@@ -343,7 +330,7 @@ static enum status insert_run(struct journal *journal, const struct journal_run 
     sqlite3_bind_int64(statement, 1, (int64_t)run->id);
     bind_text(statement, 2, run->name);
     bind_text(statement, 3, run->version);
-    bind_text(statement, 4, journal_state_name(run->state));
+    bind_text(statement, 4, protocol_run_state_name(run->state));
     sqlite3_bind_int64(statement, 5, search_count);
     sqlite3_bind_int64(statement, 6, run->started_ns);
     sqlite3_bind_int64(statement, 7, run->elapsed_ns);
@@ -666,7 +653,7 @@ enum status journal_commit(struct journal *journal, struct error *error)
     return execute(journal, "COMMIT", "cannot be written", error);
 }
 
-enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,
+enum status journal_state(struct journal *journal, enum run_state state, int64_t elapsed_ns,
                           struct error *error)
 {
     assert(journal->append != NULL); // opened to write
@@ -674,7 +661,7 @@ enum status journal_state(struct journal *journal, enum journal_state state, int
         journal_prepare(journal, "UPDATE run SET state = ?1, elapsed_ns = ?2", error);
     if (statement == NULL)
         return STATUS_IO;
-    bind_text(statement, 1, journal_state_name(state));
+    bind_text(statement, 1, protocol_run_state_name(state));
     sqlite3_bind_int64(statement, 2, elapsed_ns);
     enum status status = run_statement(journal, statement, "cannot write its state", error);
     sqlite3_finalize(statement);

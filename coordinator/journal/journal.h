@@ -18,6 +18,7 @@
 #include "common/numeric/box.h"
 #include "common/numeric/digest.h"
 #include "common/numeric/verdict.h"
+#include "common/protocol/protocol.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,15 +26,8 @@
 
 enum {
     JOURNAL_SCHEMA = 2,
-    JOURNAL_AXIS_MAX = 64,   // of a sweep
+    JOURNAL_AXIS_MAX = PROTOCOL_AXIS_MAX,
     JOURNAL_NAME_SIZE = 256, // [bytes] of a case's name with its NUL
-};
-
-enum journal_state {
-    JOURNAL_STATE_RUNNING,
-    JOURNAL_STATE_DONE,
-    JOURNAL_STATE_INTERRUPTED, // ended by the user; can be resumed
-    JOURNAL_STATE_FAILED,
 };
 
 enum journal_mode {
@@ -44,7 +38,7 @@ enum journal_mode {
 struct journal_run {
     char name[64];
     char version[32]; // of sobox
-    enum journal_state state;
+    enum run_state state;
     uint64_t id; // the run's random number on the network
     uint32_t search_count;
     int64_t started_ns; // calendar
@@ -62,7 +56,7 @@ struct journal_search {
     uint64_t seed;
     // The result: meaningful once `finished`.
     bool finished;
-    char status[32]; // search_status_name()
+    char status[32]; // protocol_status_name()
     struct box box;  // owned; count 0 until finished
     double log_volume;
     uint64_t purity_samples, purity_bad;
@@ -77,7 +71,7 @@ struct journal_search {
 struct journal_step {
     uint32_t search;
     uint32_t step;
-    char phase[16]; // search_phase_name()
+    char phase[16]; // protocol_phase_name()
     uint32_t samples;
     uint32_t good;
     double growth;
@@ -138,7 +132,7 @@ enum status journal_begin(struct journal *journal, struct error *error) MUST_USE
 enum status journal_commit(struct journal *journal, struct error *error) MUST_USE;
 
 // Writes how the run stands.
-enum status journal_state(struct journal *journal, enum journal_state state, int64_t elapsed_ns,
+enum status journal_state(struct journal *journal, enum run_state state, int64_t elapsed_ns,
                           struct error *error) MUST_USE;
 
 // Readers. journal_read_search() fills a struct to be released with journal_search_fini().
@@ -178,7 +172,5 @@ typedef enum status journal_visitor(void *user, const struct journal_step *step,
                                     struct error *error);
 enum status journal_read_steps(struct journal *journal, uint32_t search, journal_visitor *visit,
                                void *user, struct error *error) MUST_USE;
-
-const char *journal_state_name(enum journal_state state);
 
 #endif

@@ -84,14 +84,10 @@ static bool column_box(sqlite3_stmt *row, int column, struct box *box)
 
 // ---- the run ----
 
-static bool parse_state(const char *name, enum journal_state *state)
+// A journal knows no run that waits: it says that it is running.
+static bool parse_state(const char *name, enum run_state *state)
 {
-    for (int i = JOURNAL_STATE_RUNNING; i <= JOURNAL_STATE_FAILED; i++)
-        if (strcmp(name, journal_state_name((enum journal_state)i)) == 0) {
-            *state = (enum journal_state)i;
-            return true;
-        }
-    return false;
+    return protocol_run_state_of(name, state) && *state != RUN_STATE_WAITING;
 }
 
 static bool run_from_row(sqlite3_stmt *row, struct journal_run *run)

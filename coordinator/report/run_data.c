@@ -9,7 +9,7 @@
 
 bool run_data_found_nothing(const struct run_data_search *search)
 {
-    return strcmp(search->record.status, "no_good_design") == 0; // as search_status_name() has it
+    return strcmp(search->record.status, "no_good_design") == 0; // as protocol_status_name() has it
 }
 
 // Variables stand spring by spring, the x points before the y points (scenario.h).
@@ -80,7 +80,7 @@ static enum status take_outside(struct run_data_search *search, const struct jou
     const struct sampling sampling = {.seed = search->record.seed,
                                       .step = step->step,
                                       .samples = step->samples,
-                                      .method = SCENARIO_SAMPLING_UNIFORM};
+                                      .method = SAMPLING_METHOD_UNIFORM};
     if (search->explain.scenario == NULL && search->last_box.count > 0)
         begin_explanation(search, &search->last_box);
     if (search->explain.scenario == NULL || step->detail != VERDICT_DETAIL_FULL ||
@@ -106,9 +106,9 @@ static enum status take_step(void *user, const struct journal_step *step, struct
     g_strlcpy(row.phase, step->phase, sizeof row.phase);
     g_array_append_val(search->steps, row);
     search->evaluations += step->samples;
-    if (strcmp(step->phase, search_phase_name(SEARCH_PHASE_EXPLAIN)) == 0)
+    if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_EXPLAIN)) == 0)
         return take_outside(search, step, error);
-    if (strcmp(step->phase, search_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
+    if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
         take_certificate(search, step);
     if (search->last_box.count == 0)
         box_init(&search->last_box, step->box->count);
@@ -155,7 +155,7 @@ static enum status conclude(struct run_data_search *search, const struct journal
             begin_explanation(search, search->box);
         return STATUS_OK;
     }
-    search->status = journal_state_name(run->state);
+    search->status = protocol_run_state_name(run->state);
     search->wall_ns = run->elapsed_ns;
     if (run->search_count > 1) {
         search->wall_ns = 0;                       // what the other cases took is not this one's

@@ -26,7 +26,7 @@ struct run_data_search {
     char **values;                // of its case on the run's axes, ends with NULL
     GArray *steps;                // of struct run_step
     const char *name;             // of its case, else of its scenario
-    const char *status;           // search_status_name(); while unfinished how the run stands, or
+    const char *status;           // protocol_status_name(); while unfinished how the run stands, or
                                   // "waiting" or "failed" in a sweep
     const struct box *box; // the corridors: of the result, else of the last step's samples; NULL
                            // before the first step and where no good design was found

@@ -19,7 +19,6 @@
 #include <string.h>
 
 enum {
-    OUTCOME_SAMPLES_MAX = 65536, // of one message, as outcome_batch_t.lcm says
     STATUS_INTERVAL_MS = 1000,
 };
 
@@ -29,7 +28,7 @@ struct coordinator {
     struct run *run;
     struct wire *wire;
     struct crew *crew;
-    struct verdict *unpacked; // (OUTCOME_SAMPLES_MAX) of the outcome being looked at
+    struct verdict *unpacked; // (PROTOCOL_BATCH_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
     GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
     struct opening opening;
@@ -86,7 +85,7 @@ static void step_sampled(void *user, uint32_t search, uint32_t step)
     g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(search));
 }
 
-static void tell_run_state(struct coordinator *coordinator, enum tell_state state)
+static void tell_run_state(struct coordinator *coordinator, enum run_state state)
 {
     struct schedule_counters counters;
     crew_counters(coordinator->crew, &counters);
@@ -272,7 +271,7 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
     const sobox_outcome_batch_t *message = bytes;
     if (!ours(coordinator, &message->header) || message->search < 0 ||
         (uint32_t)message->search >= coordinator->run->record.search_count ||
-        message->count > OUTCOME_SAMPLES_MAX)
+        message->count > PROTOCOL_BATCH_SAMPLES_MAX)
         return;
     const struct run_search *search = coordinator->run->open[message->search];
     // Only the step being sampled can count; an outcome of an earlier one is unpacked by no one.
@@ -304,7 +303,7 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
 static void tell_status(void *user, const struct schedule_counters *counters, bool waiting)
 {
     const struct coordinator *coordinator = user;
-    tell_run(coordinator->tell, waiting ? TELL_WAITING : TELL_RUNNING, counters);
+    tell_run(coordinator->tell, waiting ? RUN_STATE_WAITING : RUN_STATE_RUNNING, counters);
 }
 
 static gboolean tell_of_searches(gpointer user)
@@ -328,11 +327,11 @@ static struct schedule_settings schedule_settings(struct wire *wire)
 {
     struct schedule_settings settings = schedule_settings_default();
     const size_t payload = wire_payload_max(wire, WIRE_OUTCOME_BATCH);
-    uint32_t samples = OUTCOME_SAMPLES_MAX;
+    uint32_t samples = PROTOCOL_BATCH_SAMPLES_MAX;
     while (verdict_packed_size_max(samples, VERDICT_DETAIL_FULL) > payload)
         samples -= samples / 16 + 1;
     settings.batch_samples_max = samples;
-    samples = OUTCOME_SAMPLES_MAX;
+    samples = PROTOCOL_BATCH_SAMPLES_MAX;
     while (verdict_packed_size_max(samples, VERDICT_DETAIL_SHARE) > payload)
         samples -= samples / 16 + 1;
     settings.batch_verdicts_max = samples;
@@ -340,27 +339,15 @@ static struct schedule_settings schedule_settings(struct wire *wire)
 }
 
 // A session may end well and leave searches for another.
-static enum tell_state state_after(enum status status, bool all_done)
+static enum run_state state_after(enum status status, bool all_done)
 {
     switch (status) {
     case STATUS_OK:
-        return all_done ? TELL_DONE : TELL_INTERRUPTED;
+        return all_done ? RUN_STATE_DONE : RUN_STATE_INTERRUPTED;
     case STATUS_INTERRUPTED:
-        return TELL_INTERRUPTED;
+        return RUN_STATE_INTERRUPTED;
     default:
-        return TELL_FAILED;
-    }
-}
-
-static enum journal_state journal_state_after(enum status status, bool all_done)
-{
-    switch (status) {
-    case STATUS_OK:
-        return all_done ? JOURNAL_STATE_DONE : JOURNAL_STATE_INTERRUPTED;
-    case STATUS_INTERRUPTED:
-        return JOURNAL_STATE_INTERRUPTED;
-    default:
-        return JOURNAL_STATE_FAILED;
+        return RUN_STATE_FAILED;
     }
 }
 
@@ -427,7 +414,7 @@ enum status coordinator_run(struct run *run, struct wire *wire,
         .run = run,
         .wire = wire,
         .tell = tell_create(run, wire, &fingerprint),
-        .unpacked = g_new(struct verdict, OUTCOME_SAMPLES_MAX),
+        .unpacked = g_new(struct verdict, PROTOCOL_BATCH_SAMPLES_MAX),
         .ready = G_QUEUE_INIT,
         .opening = opening_default(),
         .error = error,
@@ -445,7 +432,7 @@ enum status coordinator_run(struct run *run, struct wire *wire,
 
     const bool all_done = run->done_count == run->record.search_count;
     struct error unwritten = {0};
-    if (run_end(run, journal_state_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
+    if (run_end(run, state_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
             STATUS_OK &&
         status == STATUS_OK) {
         *error = unwritten;

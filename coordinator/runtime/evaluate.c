@@ -19,7 +19,6 @@
 #include <string.h>
 
 enum {
-    SAMPLES_MAX = 65536, // of one message, as design_batch_t.lcm says
     // How far it has come is noted so often, also while the table is slow in coming: what a kill
     // costs at most is done again.
     NOTE_INTERVAL_MS = 200,
@@ -335,7 +334,7 @@ static void heard_values(void *user, enum wire_kind kind, const void *bytes)
 // ---- What others hear ----
 
 // For them it is a run of one search, of which there is nothing to show but how it goes.
-static void publish_status(struct work *work, enum tell_state state,
+static void publish_status(struct work *work, enum run_state state,
                            const struct schedule_counters *counters)
 {
     const struct evaluation *evaluation = work->table->evaluation;
@@ -345,7 +344,7 @@ static void publish_status(struct work *work, enum tell_state state,
         .header.run = (int64_t)work->run,
         .state = (int8_t)state,
         .searches = 1,
-        .searches_done = state == TELL_DONE,
+        .searches_done = state == RUN_STATE_DONE,
         .workers = (int32_t)counters->workers,
         .workers_refused = (int32_t)counters->workers_refused,
         .samples = (int64_t)counters->samples_counted,
@@ -364,18 +363,21 @@ static void publish_status(struct work *work, enum tell_state state,
 
 static void tell_status(void *user, const struct schedule_counters *counters, bool waiting)
 {
-    publish_status(user, waiting ? TELL_WAITING : TELL_RUNNING, counters);
+    publish_status(user, waiting ? RUN_STATE_WAITING : RUN_STATE_RUNNING, counters);
+}
+
+static enum run_state state_after(enum status status)
+{
+    return status == STATUS_OK            ? RUN_STATE_DONE
+           : status == STATUS_INTERRUPTED ? RUN_STATE_INTERRUPTED
+                                          : RUN_STATE_FAILED;
 }
 
 static void tell_end_state(struct work *work, enum status status)
 {
     struct schedule_counters counters;
     crew_counters(work->crew, &counters);
-    publish_status(work,
-                   status == STATUS_OK            ? TELL_DONE
-                   : status == STATUS_INTERRUPTED ? TELL_INTERRUPTED
-                                                  : TELL_FAILED,
-                   &counters);
+    publish_status(work, state_after(status), &counters);
 }
 
 // ---- Progress ----
@@ -480,8 +482,8 @@ static enum status batch_designs(const struct work *work, uint32_t *designs, str
 {
     const size_t there = wire_payload_max(work->wire, WIRE_DESIGN_BATCH) / sizeof(double);
     const size_t back = wire_payload_max(work->wire, WIRE_VALUE_BATCH) / sizeof(double);
-    *designs =
-        (uint32_t)MIN(MIN(there / variable_count(work), back / outcome_count(work)), SAMPLES_MAX);
+    *designs = (uint32_t)MIN(MIN(there / variable_count(work), back / outcome_count(work)),
+                             PROTOCOL_BATCH_SAMPLES_MAX);
     if (*designs > 0)
         return STATUS_OK;
     const uint32_t values = MAX(variable_count(work), outcome_count(work));
@@ -494,12 +496,9 @@ static enum status batch_designs(const struct work *work, uint32_t *designs, str
 
 static enum status end_state(struct work *work, enum status status)
 {
-    const enum evaluation_state state = status == STATUS_OK            ? EVALUATION_DONE
-                                        : status == STATUS_INTERRUPTED ? EVALUATION_INTERRUPTED
-                                                                       : EVALUATION_FAILED;
     struct error unwritten = {0};
-    if (evaluation_end(work->table->evaluation, state, clock_monotonic_ns(), &unwritten) ==
-            STATUS_OK ||
+    if (evaluation_end(work->table->evaluation, state_after(status), clock_monotonic_ns(),
+                       &unwritten) == STATUS_OK ||
         status != STATUS_OK)
         return status;
     *work->error = unwritten;

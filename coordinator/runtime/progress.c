@@ -80,7 +80,7 @@ void progress_show(struct progress *progress, const struct run *run,
     if (isfinite(search.log_volume))
         snprintf(volume, sizeof volume, "%.2f", search.log_volume);
     log_progress("%s, step %u of about %u | %.0f %% good | ln(volume) %s | %s designs, %s/s | %s",
-                 search_phase_name(search.phase), search.step, search.step_count,
+                 protocol_phase_name(search.phase), search.step, search.step_count,
                  100 * search.good_share, volume,
                  progress_number((double)search.evaluations, designs), progress_number(rate, speed),
                  workers);

@@ -19,7 +19,7 @@ static enum status begin(struct run *run, const char *directory, const char *nam
 {
     *run = (struct run){.started_ns = now_ns, .threads = threads};
     run->record = (struct journal_run){
-        .state = JOURNAL_STATE_RUNNING,
+        .state = RUN_STATE_RUNNING,
         .id = identity_random(),
         .started_ns = clock_calendar_ns(),
     };
@@ -175,7 +175,6 @@ enum status run_create_sweep(struct run *run, const char *directory, const struc
                              const struct run_choice *choice, int threads, int64_t now_ns,
                              struct error *error)
 {
-    _Static_assert((int)SWEEP_COLUMN_MAX <= (int)JOURNAL_AXIS_MAX, "raise JOURNAL_AXIS_MAX");
     _Static_assert((int)SWEEP_CASE_NAME_SIZE <= (int)JOURNAL_NAME_SIZE, "raise JOURNAL_NAME_SIZE");
     enum status status = begin(run, directory, sweep_name(sweep), threads, now_ns, error);
     if (status != STATUS_OK)
@@ -211,7 +210,7 @@ static bool journal_present(const char *directory)
 
 static bool found_corridors(const char *status)
 {
-    return strcmp(status, search_status_name(SEARCH_STATUS_NO_GOOD_DESIGN)) != 0;
+    return strcmp(status, protocol_status_name(SEARCH_STATUS_NO_GOOD_DESIGN)) != 0;
 }
 
 // A search as the earlier sessions left it.
@@ -227,7 +226,7 @@ static enum status take_standing(void *user, const struct journal_standing *stan
     const struct taking_up *taking_up = user;
     struct run *run = taking_up->run;
     if (standing->finished) {
-        run->standings[standing->index] = RUN_DONE;
+        run->standings[standing->index] = SEARCH_STANDING_DONE;
         run->done_count++;
         run->found_count += found_corridors(standing->status);
     }
@@ -240,7 +239,7 @@ static enum status take_standing(void *user, const struct journal_standing *stan
 
 static enum status check_resumable(const struct run *run, struct error *error)
 {
-    if (run->record.state == JOURNAL_STATE_DONE)
+    if (run->record.state == RUN_STATE_DONE)
         return error_set(error, STATUS_REFUSED, "this run is done: see it with 'sobox-report %s'",
                          run->directory);
     if (strcmp(run->record.version, SOBOX_VERSION) != 0)
@@ -293,7 +292,7 @@ enum status run_resume(struct run *run, const char *directory, const struct run_
 bool run_waiting(struct run *run, uint32_t *index)
 {
     while (run->next < run->record.search_count &&
-           (run->standings[run->next] != RUN_WAITING || run->chosen[run->next] == 0))
+           (run->standings[run->next] != SEARCH_STANDING_WAITING || run->chosen[run->next] == 0))
         run->next++;
     *index = run->next;
     return run->next < run->record.search_count;
@@ -341,7 +340,7 @@ static enum status search_read(struct run *run, struct run_search *search, struc
 
 enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct error *error)
 {
-    assert(run->standings[index] == RUN_WAITING);
+    assert(run->standings[index] == SEARCH_STANDING_WAITING);
     struct run_search *search = g_new0(struct run_search, 1);
     *search = (struct run_search){.index = index, .started_ns = now_ns};
     enum status status = search_read(run, search, error);
@@ -356,13 +355,13 @@ enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct err
         search_release(search);
         // A journal that cannot even say so has told why it could not be read.
         (void)!journal_fail_search(run->journal, index, NULL);
-        run->standings[index] = RUN_FAILED;
+        run->standings[index] = SEARCH_STANDING_FAILED;
         run->failed_count++;
         run->finished_count++;
         return status;
     }
     run->open[index] = search;
-    run->standings[index] = RUN_OPEN;
+    run->standings[index] = SEARCH_STANDING_OPEN;
     run->open_count++;
     return STATUS_OK;
 }
@@ -389,7 +388,7 @@ static enum status write_result(struct run *run, struct run_search *search, int6
         .wall_ns = before_ns + now_ns - search->started_ns,
         .digest = result.digest,
     };
-    g_strlcpy(record.status, search_status_name(result.status), sizeof record.status);
+    g_strlcpy(record.status, protocol_status_name(result.status), sizeof record.status);
     if (result.status == SEARCH_STATUS_NO_GOOD_DESIGN) {
         uint32_t blocking = result.blocking_constraint;
         scenario_outcome_name(&search->scenario, search->scenario.constraints[blocking].outcome,
@@ -397,7 +396,7 @@ static enum status write_result(struct run *run, struct run_search *search, int6
     }
     enum status status = journal_finish_search(run->journal, &record, error);
     if (status == STATUS_OK) {
-        run->standings[search->index] = RUN_DONE;
+        run->standings[search->index] = SEARCH_STANDING_DONE;
         run->done_count++;
         run->finished_count++;
         run->found_count += found_corridors(record.status);
@@ -411,7 +410,7 @@ enum status run_next(struct run *run, uint32_t index, int64_t now_ns, bool *want
     struct run_search *search = run->open[index];
     *wanted = false;
     search->active = false;
-    if (run->standings[index] == RUN_DONE)
+    if (run->standings[index] == SEARCH_STANDING_DONE)
         return STATUS_OK;
     if (!search_request(search->search, &search->request))
         return write_result(run, search, now_ns, error);
@@ -447,14 +446,14 @@ enum status run_record(struct run *run, uint32_t index, struct error *error)
         .detail = search->request.detail,
         .verdicts = search->verdicts,
     };
-    g_strlcpy(record.phase, search_phase_name(step->phase), sizeof record.phase);
+    g_strlcpy(record.phase, protocol_phase_name(step->phase), sizeof record.phase);
     run->steps++;
     return journal_append(run->journal, &record, error);
 }
 
 void run_close(struct run *run, uint32_t index)
 {
-    assert(run->standings[index] == RUN_DONE);
+    assert(run->standings[index] == SEARCH_STANDING_DONE);
     search_release(run->open[index]);
     run->open[index] = NULL;
     run->open_count--;
@@ -472,7 +471,7 @@ int64_t run_elapsed_ns(const struct run *run, int64_t now_ns)
     return run->record.elapsed_ns + now_ns - run->started_ns;
 }
 
-enum status run_end(struct run *run, enum journal_state state, int64_t now_ns, struct error *error)
+enum status run_end(struct run *run, enum run_state state, int64_t now_ns, struct error *error)
 {
     return journal_state(run->journal, state, run_elapsed_ns(run, now_ns), error);
 }

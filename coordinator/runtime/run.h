@@ -28,8 +28,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum run_standing { RUN_WAITING, RUN_OPEN, RUN_DONE, RUN_FAILED };
-
 // An open search and the step it wants sampled.
 struct run_search {
     uint32_t index; // in the run
@@ -51,7 +49,7 @@ struct run {
     struct journal *journal;
     struct journal_run record; // as the journal has it
     struct run_search **open;  // (record.search_count) NULL unless it is open
-    uint8_t *standings;        // (record.search_count) enum run_standing
+    uint8_t *standings;        // (record.search_count) enum search_standing
     uint8_t *chosen;           // (record.search_count) 1: to be carried out in this session
     uint32_t chosen_count;     // that are not done yet when the session begins
     uint32_t next;             // the first that may be waiting
@@ -121,8 +119,8 @@ enum status run_resume(struct run *run, const char *directory, const struct run_
 bool run_waiting(struct run *run, uint32_t *index);
 
 // Opens a waiting search: reads its scenario and replays its finished steps, if any.
-// Errors: STATUS_IO, STATUS_REFUSED (its steps do not replay); the search is then RUN_FAILED, which
-// ends a run of one search, and not a sweep.
+// Errors: STATUS_IO, STATUS_REFUSED (its steps do not replay); the search is then
+// SEARCH_STANDING_FAILED, which ends a run of one search, and not a sweep.
 enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct error *error) MUST_USE;
 
 // Asks an open search for its next step: true with `request`, `bounds`, `box` and room for the
@@ -147,7 +145,7 @@ bool run_finished(const struct run *run);
 int64_t run_elapsed_ns(const struct run *run, int64_t now_ns);
 
 // Writes the state in which the run ends for now.
-enum status run_end(struct run *run, enum journal_state state, int64_t now_ns,
+enum status run_end(struct run *run, enum run_state state, int64_t now_ns,
                     struct error *error) MUST_USE;
 
 // Releases everything. A zeroed struct is fine.

@@ -45,8 +45,6 @@ struct part {
     uint8_t packed[];
 };
 
-enum { STANDING_WAITS, STANDING_OPEN, STANDING_DONE, STANDING_FAILED }; // as in search_status_t.lcm
-
 struct tell *tell_create(const struct run *run, struct wire *wire, const struct digest *fingerprint)
 {
     struct tell *tell = g_new(struct tell, 1);
@@ -86,7 +84,7 @@ static void send_parts(struct tell *tell)
     }
 }
 
-void tell_run(struct tell *tell, enum tell_state state, const struct schedule_counters *counters)
+void tell_run(struct tell *tell, enum run_state state, const struct schedule_counters *counters)
 {
     const struct run *run = tell->run;
     struct wire_counters wire;
@@ -110,7 +108,7 @@ void tell_run(struct tell *tell, enum tell_state state, const struct schedule_co
     g_strlcpy((char *)message.name, run->record.name, sizeof message.name);
     memcpy(message.fingerprint, tell->fingerprint.bytes, DIGEST_SIZE);
     // What waits for its tick has none any more.
-    if (state >= TELL_DONE) {
+    if (protocol_run_ended(state)) {
         tell->allowance = (int)tell->parts.length;
         send_parts(tell);
     }
@@ -149,7 +147,8 @@ static sobox_search_status_t open_status(const struct tell *tell, const struct r
     sobox_search_status_t message = {
         .header.run = (int64_t)tell->run->record.id,
         .search = (int32_t)search->index,
-        .standing = result.status == SEARCH_STATUS_RUNNING ? STANDING_OPEN : STANDING_DONE,
+        .standing =
+            result.status == SEARCH_STATUS_RUNNING ? SEARCH_STANDING_OPEN : SEARCH_STANDING_DONE,
         .phase = (int8_t)progress->phase,
         .status = (int8_t)result.status,
         .step = (int32_t)progress->step,
@@ -195,13 +194,13 @@ static void tell_searches(struct tell *tell)
     }
 }
 
-static enum search_status status_of(const char *name)
+// What the journal says of a finished search.
+static enum search_status status_of(const struct journal_search *record)
 {
-    for (int status = SEARCH_STATUS_DONE; status <= SEARCH_STATUS_NO_GOOD_DESIGN; status++) {
-        if (strcmp(name, search_status_name((enum search_status)status)) == 0)
-            return (enum search_status)status;
-    }
-    return SEARCH_STATUS_RUNNING;
+    enum search_status status = SEARCH_STATUS_RUNNING;
+    if (record->finished)
+        (void)protocol_status_of(record->status, &status);
+    return status;
 }
 
 // Tells of a search that is not open, from the journal.
@@ -214,9 +213,9 @@ static void retell(struct tell *tell, uint32_t index)
     sobox_search_status_t message = {
         .header.run = (int64_t)tell->run->record.id,
         .search = (int32_t)index,
-        .standing = record.finished ? STANDING_DONE : STANDING_FAILED,
+        .standing = record.finished ? SEARCH_STANDING_DONE : SEARCH_STANDING_FAILED,
         .phase = record.finished ? SEARCH_PHASE_DONE : SEARCH_PHASE_SEEK,
-        .status = record.finished ? (int8_t)status_of(record.status) : SEARCH_STATUS_RUNNING,
+        .status = (int8_t)status_of(&record),
         .step = (int32_t)record.steps,
         .step_count = (int32_t)record.steps,
         .evaluations = (int64_t)record.evaluations,
@@ -242,7 +241,7 @@ static void retell_searches(struct tell *tell)
     for (uint32_t i = 0; count > 1 && i < count && burst > 0; i++) {
         tell->retold = (tell->retold + 1) % count;
         const uint8_t standing = run->standings[tell->retold];
-        if (standing != RUN_DONE && standing != RUN_FAILED)
+        if (standing != SEARCH_STANDING_DONE && standing != SEARCH_STANDING_FAILED)
             continue;
         retell(tell, tell->retold);
         burst--;

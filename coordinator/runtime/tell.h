@@ -12,19 +12,12 @@
 #ifndef SOBOX_COORDINATOR_RUNTIME_TELL_H
 #define SOBOX_COORDINATOR_RUNTIME_TELL_H
 
+#include "common/protocol/protocol.h"
 #include "common/wire/wire.h"
 #include "coordinator/runtime/run.h"
 #include "coordinator/schedule/schedule.h"
 
 #include <stdint.h>
-
-enum tell_state { // as in run_status_t.lcm
-    TELL_RUNNING,
-    TELL_WAITING,
-    TELL_DONE,
-    TELL_INTERRUPTED,
-    TELL_FAILED,
-};
 
 enum { TELL_TICK_MS = 100 };
 
@@ -36,7 +29,7 @@ struct tell *tell_create(const struct run *run, struct wire *wire,
 void tell_free(struct tell *tell); // NULL is fine
 
 // How the run as a whole goes.
-void tell_run(struct tell *tell, enum tell_state state, const struct schedule_counters *counters);
+void tell_run(struct tell *tell, enum run_state state, const struct schedule_counters *counters);
 
 // A tick passed: tells of searches and cases whose turn it is.
 void tell_tick(struct tell *tell);

@@ -107,30 +107,6 @@ struct search {
     struct box result; // all variables
 };
 
-const char *search_phase_name(enum search_phase phase)
-{
-    static const char *const names[] = {
-        [SEARCH_PHASE_SEEK] = "seek",
-        [SEARCH_PHASE_EXPLORE] = "explore",
-        [SEARCH_PHASE_CONSOLIDATE] = "consolidate",
-        [SEARCH_PHASE_CERTIFY] = "certify",
-        [SEARCH_PHASE_EXPLAIN] = "explain",
-        [SEARCH_PHASE_DONE] = "done",
-    };
-    return names[phase];
-}
-
-const char *search_status_name(enum search_status status)
-{
-    static const char *const names[] = {
-        [SEARCH_STATUS_RUNNING] = "running",
-        [SEARCH_STATUS_DONE] = "done",
-        [SEARCH_STATUS_PURITY_MISSED] = "purity_missed",
-        [SEARCH_STATUS_NO_GOOD_DESIGN] = "no_good_design",
-    };
-    return names[status];
-}
-
 // The box that is being worked on; there is one once exploration has begun.
 static struct explore *current(struct search *search)
 {
@@ -157,7 +133,7 @@ static void widen(const struct search *search, const struct box *box, struct box
 
 // ---- what to sample next
 
-static void ask_requested(struct search *search, uint32_t samples, enum scenario_sampling method,
+static void ask_requested(struct search *search, uint32_t samples, enum sampling_method method,
                           enum verdict_detail detail)
 {
     search->request = (struct search_request){
@@ -173,7 +149,7 @@ static void ask_requested(struct search *search, uint32_t samples, enum scenario
 }
 
 static void ask(struct search *search, const struct box *box, uint32_t samples,
-                enum scenario_sampling method, enum verdict_detail detail)
+                enum sampling_method method, enum verdict_detail detail)
 {
     widen(search, box, &search->requested);
     ask_requested(search, samples, method, detail);
@@ -183,7 +159,7 @@ static void ask(struct search *search, const struct box *box, uint32_t samples,
 static void ask_slab(struct search *search)
 {
     box_assign(&search->requested, explain_slab(&search->explain, search->explained));
-    ask_requested(search, search->explain_samples, SCENARIO_SAMPLING_UNIFORM, VERDICT_DETAIL_FULL);
+    ask_requested(search, search->explain_samples, SAMPLING_METHOD_UNIFORM, VERDICT_DETAIL_FULL);
 }
 
 // Whether a box holds one design only: it is looked at once.
@@ -202,7 +178,7 @@ static void ask_next(struct search *search)
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
         ask(search, &search->seek.box, is_design(&search->seek.box) ? 1 : settings->samples,
-            SCENARIO_SAMPLING_LATIN_HYPERCUBE, VERDICT_DETAIL_FULL);
+            SAMPLING_METHOD_LATIN_HYPERCUBE, VERDICT_DETAIL_FULL);
         break;
     case SEARCH_PHASE_EXPLORE:
         ask(search, &current(search)->sampled, settings->samples, settings->sampling,
@@ -214,7 +190,7 @@ static void ask_next(struct search *search)
         break;
     case SEARCH_PHASE_CERTIFY:
         // Clopper-Pearson holds for independent samples only.
-        ask(search, &current(search)->box, settings->certificate_samples, SCENARIO_SAMPLING_UNIFORM,
+        ask(search, &current(search)->box, settings->certificate_samples, SAMPLING_METHOD_UNIFORM,
             settings->explain_samples > 0 ? VERDICT_DETAIL_FULL : VERDICT_DETAIL_SHARE);
         break;
     case SEARCH_PHASE_EXPLAIN:

@@ -16,24 +16,9 @@
 #include "common/numeric/box.h"
 #include "common/numeric/digest.h"
 #include "common/numeric/verdict.h"
+#include "common/protocol/protocol.h"
 #include "common/scenario/scenario.h"
 #include "worker/sampling/sampling.h"
-
-enum search_phase {
-    SEARCH_PHASE_SEEK,
-    SEARCH_PHASE_EXPLORE,
-    SEARCH_PHASE_CONSOLIDATE,
-    SEARCH_PHASE_CERTIFY,
-    SEARCH_PHASE_EXPLAIN,
-    SEARCH_PHASE_DONE,
-};
-
-enum search_status {
-    SEARCH_STATUS_RUNNING,
-    SEARCH_STATUS_DONE,           // a box was found and certified: lower95 >= target_purity
-    SEARCH_STATUS_PURITY_MISSED,  // a box was found; its certificate stays below target_purity
-    SEARCH_STATUS_NO_GOOD_DESIGN, // no good sample anywhere
-};
 
 // What the search wants sampled next.
 struct search_request {
@@ -103,9 +88,5 @@ void search_progress(const struct search *search, struct search_progress *progre
 
 // The result so far; final when search_request() returns false.
 void search_result(const struct search *search, struct search_result *result);
-
-const char *search_phase_name(enum search_phase phase); // "seek", "explore", ...
-const char *
-search_status_name(enum search_status status); // "running", "done", "purity_missed", ...
 
 #endif

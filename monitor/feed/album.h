@@ -28,7 +28,7 @@ struct album_picture {
     uint64_t ordinal; // the how manieth it is, from 0 on
     struct sampling sampling;
     struct digest scenario;
-    int phase; // enum search_phase
+    enum search_phase phase;
     enum verdict_detail detail;
     uint32_t good;            // of all samples of the step
     uint32_t count;           // samples whose verdicts are known

@@ -1,7 +1,6 @@
 #include "monitor/feed/feed.h"
 
 #include "common/base/pace.h"
-#include "coordinator/search/search.h"
 
 #include <float.h>
 #include <math.h>
@@ -172,7 +171,7 @@ void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_
     }
     text_copy(run->name, sizeof run->name, message->name);
     memcpy(run->fingerprint.bytes, message->fingerprint, DIGEST_SIZE);
-    run->state = message->state;
+    run->state = (enum run_state)message->state;
     run->searches = (uint32_t)message->searches;
     run->searches_done = (uint32_t)message->searches_done;
     run->workers = (uint32_t)message->workers;
@@ -193,12 +192,12 @@ void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_
 
 bool feed_run_active(const struct feed_run *run)
 {
-    return run->state == FEED_STATE_RUNNING || run->state == FEED_STATE_WAITING;
+    return run->state == RUN_STATE_RUNNING || run->state == RUN_STATE_WAITING;
 }
 
 double feed_run_left_s(const struct feed *feed, const struct feed_run *run)
 {
-    if (run->state != FEED_STATE_RUNNING)
+    if (run->state != RUN_STATE_RUNNING)
         return -1;
     if (run->searches > 1) {
         if (run->searches_done == 0)
@@ -279,8 +278,8 @@ static void bounds_take(struct feed_search *search, const sobox_search_status_t 
 // A search that is over is told of again and again: that is no news.
 static bool is_retold(const struct feed_search *before, const struct feed_search *now)
 {
-    return before->changed != 0 && before->standing == FEED_STANDING_DONE &&
-           now->standing == FEED_STANDING_DONE && before->status == now->status &&
+    return before->changed != 0 && before->standing == SEARCH_STANDING_DONE &&
+           now->standing == SEARCH_STANDING_DONE && before->status == now->status &&
            before->step == now->step && before->evaluations == now->evaluations &&
            digest_equal(&before->scenario, &now->scenario);
 }
@@ -294,9 +293,9 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
     const struct feed_search before = *search;
     const guint known = search->bounds->len;
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
-    search->standing = message->standing;
-    search->phase = message->phase;
-    search->status = message->status;
+    search->standing = (enum search_standing)message->standing;
+    search->phase = (enum search_phase)message->phase;
+    search->status = (enum search_status)message->status;
     search->step = (uint32_t)message->step;
     search->step_count = (uint32_t)message->step_count;
     search->evaluations = (uint64_t)message->evaluations;
@@ -334,8 +333,8 @@ static void search_begin(struct feed_search *search, const sobox_step_status_t *
                          int64_t now_ns)
 {
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
-    search->standing = FEED_STANDING_OPEN;
-    search->phase = message->phase;
+    search->standing = SEARCH_STANDING_OPEN;
+    search->phase = (enum search_phase)message->phase;
     search->step = (uint32_t)message->step;
     search->log_volume = -DBL_MAX;
     search->heard_ns = now_ns;
@@ -464,36 +463,15 @@ const struct feed_worker *feed_worker_at(const struct feed *feed, guint i)
     return feed->workers.entries->pdata[i];
 }
 
-const char *feed_state_name(int state)
-{
-    static const char *const names[] = {"running", "waiting for workers", "done", "interrupted",
-                                        "failed"};
-    return state >= 0 && (size_t)state < G_N_ELEMENTS(names) ? names[state] : "unknown";
-}
-
-const char *feed_phase_name(int phase)
-{
-    return phase >= SEARCH_PHASE_SEEK && phase <= SEARCH_PHASE_DONE
-               ? search_phase_name((enum search_phase)phase)
-               : "unknown";
-}
-
-const char *feed_status_name(int status)
-{
-    return status >= SEARCH_STATUS_RUNNING && status <= SEARCH_STATUS_NO_GOOD_DESIGN
-               ? search_status_name((enum search_status)status)
-               : "unknown";
-}
-
 const char *feed_search_word(const struct feed_search *search)
 {
     switch (search->standing) {
-    case FEED_STANDING_WAITS:
+    case SEARCH_STANDING_WAITING:
         return "waiting";
-    case FEED_STANDING_FAILED:
+    case SEARCH_STANDING_FAILED:
         return "failed";
     default:
-        return feed_status_name(search->status);
+        return protocol_status_name(search->status);
     }
 }
 

@@ -11,6 +11,7 @@
 #define SOBOX_MONITOR_FEED_FEED_H
 
 #include "common/numeric/digest.h"
+#include "common/protocol/protocol.h"
 #include "monitor/feed/album.h"
 #include "monitor/feed/cases.h"
 #include "monitor/feed/history.h"
@@ -41,21 +42,6 @@ enum {
 // A silent worker is forgotten after this time, one that said good-bye after the shorter. [ns]
 #define FEED_FORGET_NS INT64_C(600000000000)
 #define FEED_LEFT_NS INT64_C(30000000000)
-
-enum feed_state { // as in run_status_t.lcm
-    FEED_STATE_RUNNING,
-    FEED_STATE_WAITING,
-    FEED_STATE_DONE,
-    FEED_STATE_INTERRUPTED,
-    FEED_STATE_FAILED,
-};
-
-enum feed_standing { // as in search_status_t.lcm
-    FEED_STANDING_WAITS,
-    FEED_STANDING_OPEN,
-    FEED_STANDING_DONE,
-    FEED_STANDING_FAILED,
-};
 
 // Which message an entry shows, so that older ones are known as such.
 struct feed_origin {
@@ -93,7 +79,7 @@ struct feed_worker {
 // A point of a search's course.
 struct feed_step {
     uint32_t step;
-    int32_t phase; // enum search_phase
+    enum search_phase phase;
     double good_share;
     double log_volume;
 };
@@ -104,9 +90,9 @@ struct feed_search {
     uint64_t run;
     uint32_t index;
     struct digest scenario;
-    int standing; // enum feed_standing
-    int phase;    // enum search_phase
-    int status;   // enum search_status
+    enum search_standing standing;
+    enum search_phase phase;
+    enum search_status status;
     uint32_t step, step_count;
     uint64_t evaluations;
     double good_share;
@@ -139,7 +125,7 @@ struct feed_run {
     uint64_t id;
     char name[64];
     struct digest fingerprint; // of the coordinator's kernel
-    int state;                 // enum feed_state
+    enum run_state state;
     uint32_t searches, searches_done;
     uint32_t workers, workers_refused;
     uint64_t samples, batches, released, duplicates, rejected, lost;
@@ -203,11 +189,6 @@ double feed_run_left_s(const struct feed *feed, const struct feed_run *run);
 
 // Of what was sent lately, the share that was lost, 0 .. 1.
 double feed_recent_lost_share(const struct feed_recent *recent);
-
-// Words for the numbers of the messages; "unknown" for one that has none.
-const char *feed_state_name(int state);
-const char *feed_phase_name(int phase);
-const char *feed_status_name(int status);
 
 // The search's status in a word: that of its result, "running", "waiting" or "failed".
 const char *feed_search_word(const struct feed_search *search);

@@ -38,7 +38,7 @@ static void coordinator_silent(GArray *problems, const struct feed_run *run, int
 
 static void run_counts(GArray *problems, const struct feed_run *run)
 {
-    if (run->state == FEED_STATE_WAITING)
+    if (run->state == RUN_STATE_WAITING)
         add(problems, PROBLEM_NO_WORKERS, run->id,
             "%s waits for workers: start sobox-worker with the same --url", run->name);
     if (run->workers_refused > 0)
@@ -71,7 +71,7 @@ static bool about_runs(GArray *problems, const struct feed *feed, int64_t now_ns
             coordinator_silent(problems, run, now_ns);
         } else {
             run_counts(problems, run);
-            running |= run->state == FEED_STATE_RUNNING;
+            running |= run->state == RUN_STATE_RUNNING;
         }
     }
     return running;

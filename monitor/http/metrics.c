@@ -1,6 +1,5 @@
 #include "monitor/http/metrics.h"
 
-#include "coordinator/search/search.h"
 #include "monitor/feed/problem.h"
 
 #include <inttypes.h>
@@ -86,10 +85,10 @@ static void write_run_names(GString *out, const struct feed *feed)
     family(out, "sobox_run_state", "gauge", "1 for the state that the run is in, 0 for others.");
     for (guint i = 0; i < feed->runs.entries->len; i++) {
         const struct feed_run *run = feed_run_at(feed, i);
-        for (int state = FEED_STATE_RUNNING; state <= FEED_STATE_FAILED; state++) {
+        for (enum run_state state = 0; state <= RUN_STATE_FAILED; state++) {
             append_run(out, "sobox_run_state", run);
             g_string_append_c(out, ',');
-            append_label(out, "state", feed_state_name(state));
+            append_label(out, "state", protocol_run_state_name(state));
             g_string_append_printf(out, "} %d\n", run->state == state);
         }
     }

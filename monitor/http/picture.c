@@ -36,8 +36,8 @@ static json_t *run_json(const struct picture_view *view, const struct feed_run *
 {
     return json_pack(
         "{s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
-        "id", name_of(run->id), "name", run->name, "state", feed_state_name(run->state), "searches",
-        count(run->searches), "searches_done", count(run->searches_done), "workers",
+        "id", name_of(run->id), "name", run->name, "state", protocol_run_state_name(run->state),
+        "searches", count(run->searches), "searches_done", count(run->searches_done), "workers",
         count(run->workers), "workers_refused", count(run->workers_refused), "samples",
         count(run->samples), "batches", count(run->batches), "released", count(run->released),
         "duplicates", count(run->duplicates), "rejected", count(run->rejected), "lost",
@@ -50,7 +50,7 @@ static json_t *search_json(const struct picture_view *view, const struct feed_se
 {
     return json_pack("{s:o, s:o, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "run",
                      name_of(search->run), "search", count(search->index), "phase",
-                     feed_phase_name(search->phase), "status", feed_search_word(search), "step",
+                     protocol_phase_name(search->phase), "status", feed_search_word(search), "step",
                      count(search->step), "step_count", count(search->step_count), "evaluations",
                      count(search->evaluations), "good_share", number(search->good_share),
                      "log_volume", number(search->log_volume), "purity_lower95",
@@ -173,7 +173,7 @@ static json_t *steps_json(struct picture_course *told, const struct history *his
     for (guint i = from; i < history->points->len; i++) {
         const struct feed_step *step = &g_array_index(history->points, struct feed_step, i);
         json_array_append_new(
-            points, json_pack("[o, s, o, o]", count(step->step), feed_phase_name(step->phase),
+            points, json_pack("[o, s, o, o]", count(step->step), protocol_phase_name(step->phase),
                               number(step->good_share), number(step->log_volume)));
     }
     return json_pack("{s:o, s:o}", "from", count(from), "points", points);
@@ -198,7 +198,7 @@ static json_t *samples_json(const struct feed_search *search)
     for (guint i = 0; i < search->album->pictures->len; i++) {
         const struct album_picture *picture = search->album->pictures->pdata[i];
         json_array_append_new(steps, json_pack("[o, s]", count(picture->sampling.step),
-                                               feed_phase_name(picture->phase)));
+                                               protocol_phase_name(picture->phase)));
     }
     return json_pack("{s:o, s:o}", "changed", count(search->album_changed), "steps", steps);
 }

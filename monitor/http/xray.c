@@ -57,7 +57,7 @@ bool xray_points(const struct album_picture *picture, uint32_t x, uint32_t y, GS
     g_free(values);
     json_t *object = json_pack(
         "{s:I, s:s, s:s, s:o, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o}", "step",
-        (json_int_t)picture->sampling.step, "phase", feed_phase_name(picture->phase), "detail",
+        (json_int_t)picture->sampling.step, "phase", protocol_phase_name(picture->phase), "detail",
         picture->detail == VERDICT_DETAIL_FULL ? "full" : "share", "seed",
         json_sprintf("%" PRIu64, picture->sampling.seed), "samples",
         (json_int_t)picture->sampling.samples, "good", (json_int_t)picture->good, "count",

@@ -67,45 +67,27 @@ bool record_goes_on(const struct record *record)
 
 // ---- Words of the journal as numbers of the messages ----
 
-static int8_t phase_of(const char *name)
+// A word that a later sobox may have is shown as the first one.
+static enum search_phase phase_of(const char *name)
 {
-    for (int phase = SEARCH_PHASE_SEEK; phase <= SEARCH_PHASE_DONE; phase++) {
-        if (strcmp(name, search_phase_name((enum search_phase)phase)) == 0)
-            return (int8_t)phase;
-    }
-    return SEARCH_PHASE_SEEK;
+    enum search_phase phase = SEARCH_PHASE_SEEK;
+    (void)protocol_phase_of(name, &phase);
+    return phase;
 }
 
-static int8_t status_of(const char *name)
+static enum search_status status_of(const char *name)
 {
-    for (int status = SEARCH_STATUS_RUNNING; status <= SEARCH_STATUS_NO_GOOD_DESIGN; status++) {
-        if (strcmp(name, search_status_name((enum search_status)status)) == 0)
-            return (int8_t)status;
-    }
-    return SEARCH_STATUS_RUNNING;
-}
-
-static int8_t state_of(enum journal_state state)
-{
-    switch (state) {
-    case JOURNAL_STATE_RUNNING:
-        return FEED_STATE_RUNNING;
-    case JOURNAL_STATE_DONE:
-        return FEED_STATE_DONE;
-    case JOURNAL_STATE_INTERRUPTED:
-        return FEED_STATE_INTERRUPTED;
-    case JOURNAL_STATE_FAILED:
-        break;
-    }
-    return FEED_STATE_FAILED;
+    enum search_status status = SEARCH_STATUS_RUNNING;
+    (void)protocol_status_of(name, &status);
+    return status;
 }
 
 // Which points a step drew: the journal does not say, it follows from the phase (search.c).
-static enum scenario_sampling sampling_of(int8_t phase, const struct scenario *scenario)
+static enum sampling_method sampling_of(enum search_phase phase, const struct scenario *scenario)
 {
-    switch ((enum search_phase)phase) {
+    switch (phase) {
     case SEARCH_PHASE_SEEK:
-        return SCENARIO_SAMPLING_LATIN_HYPERCUBE;
+        return SAMPLING_METHOD_LATIN_HYPERCUBE;
     case SEARCH_PHASE_EXPLORE:
     case SEARCH_PHASE_CONSOLIDATE:
         return scenario->search.sampling;
@@ -114,7 +96,7 @@ static enum scenario_sampling sampling_of(int8_t phase, const struct scenario *s
     case SEARCH_PHASE_DONE:
         break;
     }
-    return SCENARIO_SAMPLING_UNIFORM;
+    return SAMPLING_METHOD_UNIFORM;
 }
 
 // ---- Telling the feed ----
@@ -154,8 +136,8 @@ static enum status tell_step(void *user, const struct journal_step *step, struct
     reading->told->steps = step->step + 1;
     reading->told->evaluations += step->samples;
     sobox_search_status_t message = {
-        .standing = FEED_STANDING_OPEN,
-        .phase = phase_of(step->phase),
+        .standing = SEARCH_STANDING_OPEN,
+        .phase = (int8_t)phase_of(step->phase),
         .status = SEARCH_STATUS_RUNNING,
         .step = (int32_t)step->step + 1,
         .step_count = (int32_t)MAX(reading->step_count, step->step + 1),
@@ -172,9 +154,9 @@ static void tell_result(const struct reading *reading)
     reading->told->finished = true;
     reading->told->evaluations = search->evaluations;
     sobox_search_status_t message = {
-        .standing = FEED_STANDING_DONE,
+        .standing = SEARCH_STANDING_DONE,
         .phase = SEARCH_PHASE_DONE,
-        .status = status_of(search->status),
+        .status = (int8_t)status_of(search->status),
         .step = (int32_t)search->steps,
         .step_count = (int32_t)search->steps,
         .good_share = search->purity_estimate,
@@ -208,7 +190,7 @@ static enum status tell_samples(void *user, const struct journal_step *step, str
     if (step->step < reading->told->sampled || scenario == NULL || step->samples == 0)
         return STATUS_OK;
     reading->told->sampled = step->step + 1;
-    const int8_t phase = phase_of(step->phase);
+    const enum search_phase phase = phase_of(step->phase);
     const uint32_t variables = step->box->count;
     const uint32_t count = MIN(step->samples, SAMPLES_TOLD);
     uint8_t *packed =
@@ -224,7 +206,7 @@ static enum status tell_samples(void *user, const struct journal_step *step, str
         .seed = (int64_t)search->seed,
         .search = (int32_t)search->index,
         .step = (int32_t)step->step,
-        .phase = phase,
+        .phase = (int8_t)phase,
         .sampling = (int8_t)sampling_of(phase, scenario),
         .detail = (int8_t)step->detail,
         .samples = (int32_t)step->samples,
@@ -326,7 +308,7 @@ static void tell_run(struct record *record, const struct journal_run *run, int64
 {
     sobox_run_status_t message = {
         .header = next_header(record, run),
-        .state = state_of(run->state),
+        .state = (int8_t)run->state,
         .searches = (int32_t)run->search_count,
         .elapsed_ns = run->elapsed_ns,
     };
@@ -414,7 +396,7 @@ enum status record_read(struct record *record, int64_t now_ns, struct error *err
             status = tell_cases(record, journal, &run, now_ns, error);
     }
     if (status == STATUS_OK) {
-        record->goes_on = run.state == JOURNAL_STATE_RUNNING;
+        record->goes_on = run.state == RUN_STATE_RUNNING;
     }
     journal_close(journal);
     return status;

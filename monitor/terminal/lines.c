@@ -12,7 +12,7 @@
 static void print_search(const struct feed_search *search, FILE *out)
 {
     fprintf(out, " | %s, step %u of about %u | %.0f %% good | ln(volume) ",
-            feed_phase_name(search->phase), search->step, search->step_count,
+            protocol_phase_name(search->phase), search->step, search->step_count,
             100 * search->good_share);
     if (search->log_volume > VOLUME_KNOWN_MIN)
         fprintf(out, "%.2f", search->log_volume);
@@ -24,7 +24,7 @@ static void print_search(const struct feed_search *search, FILE *out)
 
 static void print_run(const struct feed *feed, const struct feed_run *run, FILE *out)
 {
-    fprintf(out, "%s: %s", run->name, feed_state_name(run->state));
+    fprintf(out, "%s: %s", run->name, protocol_run_state_name(run->state));
     if (run->searches > 1) {
         fprintf(out, " | %u of %u searches done", run->searches_done, run->searches);
     } else {
@@ -75,7 +75,7 @@ static json_t *search_json(const struct feed *feed, const struct feed_search *se
     return json_pack(
         "{s:I, s:s*, s:s, s:s, s:I, s:I, s:I, s:o, s:o, s:o}", "search", (json_int_t)search->index,
         "case", feed_case_name(feed, search->run, search->index), "phase",
-        feed_phase_name(search->phase), "status", feed_search_word(search), "step",
+        protocol_phase_name(search->phase), "status", feed_search_word(search), "step",
         (json_int_t)search->step, "step_count", (json_int_t)search->step_count, "evaluations",
         (json_int_t)search->evaluations, "good_share", number(search->good_share), "log_volume",
         number(search->log_volume), "purity_lower95", number(search->purity_lower95));
@@ -90,12 +90,12 @@ static json_t *run_json(const struct feed *feed, const struct feed_run *run)
             json_array_append_new(searches, search_json(feed, search));
     }
     return json_pack("{s:s, s:s, s:I, s:I, s:I, s:I, s:o, s:I, s:I, s:o, s:o}", "name", run->name,
-                     "state", feed_state_name(run->state), "samples", (json_int_t)run->samples,
-                     "workers", (json_int_t)run->workers, "workers_refused",
-                     (json_int_t)run->workers_refused, "released", (json_int_t)run->released,
-                     "rate", number(run->rate), "lost", (json_int_t)run->lost, "searches_done",
-                     (json_int_t)run->searches_done, "elapsed_s",
-                     number((double)run->elapsed_ns / 1e9), "searches", searches);
+                     "state", protocol_run_state_name(run->state), "samples",
+                     (json_int_t)run->samples, "workers", (json_int_t)run->workers,
+                     "workers_refused", (json_int_t)run->workers_refused, "released",
+                     (json_int_t)run->released, "rate", number(run->rate), "lost",
+                     (json_int_t)run->lost, "searches_done", (json_int_t)run->searches_done,
+                     "elapsed_s", number((double)run->elapsed_ns / 1e9), "searches", searches);
 }
 
 static json_t *worker_json(const struct feed_worker *worker, int64_t now_ns)

@@ -1,6 +1,5 @@
 #include "monitor/terminal/view.h"
 
-#include "coordinator/search/search.h"
 #include "monitor/feed/problem.h"
 
 #include <inttypes.h>
@@ -215,7 +214,7 @@ static const struct feed_search *search_chosen(const struct view_state *state,
         const struct feed_search *search = link->data;
         if (search->run != run->id)
             continue;
-        if (search->standing == FEED_STANDING_OPEN)
+        if (search->standing == SEARCH_STANDING_OPEN)
             return search;
         if (latest == NULL)
             latest = search;
@@ -317,7 +316,7 @@ static void add_run(GArray *lines, const struct view_state *state, const struct 
         g_strlcpy(rate, "-", sizeof rate);
     const char *const cells[] = {
         run->name,
-        silent ? "silent" : feed_state_name(run->state),
+        silent ? "silent" : protocol_run_state_name(run->state),
         rate,
         workers,
         brief((double)run->samples, samples),
@@ -371,7 +370,7 @@ static void add_bar(GArray *lines, const struct view_state *state, const struct 
     const char *word = feed_search_word(search);
     add(lines, state, VIEW_PLAIN,
         "  search %" PRIu32 ": %s [%s%s] step %" PRIu32 " of about %" PRIu32 "  %s", search->index,
-        strcmp(word, "running") == 0 ? feed_phase_name(search->phase) : word, full, empty,
+        strcmp(word, "running") == 0 ? protocol_phase_name(search->phase) : word, full, empty,
         search->step, search->step_count, name != NULL ? name : "");
 }
 

@@ -178,7 +178,7 @@ static void send_batch(struct bench *bench, uint64_t worker, const struct schedu
         .first = (int32_t)batch->first,
         .count = (int32_t)batch->count,
         .step_samples = (int32_t)bench->load->samples,
-        .sampling = SCENARIO_SAMPLING_UNIFORM,
+        .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
         .bound_count = (int32_t)(2 * variables),
         .bounds = bench->bounds,

@@ -30,7 +30,7 @@ struct found {
 static double fresh_purity(const struct found *found, const struct model *model)
 {
     const struct batch batch = {
-        .sampling = {.method = SCENARIO_SAMPLING_UNIFORM, .seed = 20161213, .samples = FRESH},
+        .sampling = {.method = SAMPLING_METHOD_UNIFORM, .seed = 20161213, .samples = FRESH},
         .count = FRESH,
     };
     struct verdict *verdicts = g_new(struct verdict, FRESH);
@@ -162,7 +162,7 @@ static double cube_half_side(uint32_t count, double purity)
         unit.upper[v] = 1;
     }
     const struct sampling sampling = {
-        .method = SCENARIO_SAMPLING_UNIFORM, .seed = 7, .samples = FRESH};
+        .method = SAMPLING_METHOD_UNIFORM, .seed = 7, .samples = FRESH};
     double *values = g_new(double, (size_t)count *FRESH), *norms = g_new0(double, FRESH);
     sampling_fill(&sampling, &unit, 0, FRESH, values, FRESH);
     for (uint32_t v = 0; v < count; v++) {

@@ -3,6 +3,7 @@
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/base/watch.h"
+#include "common/protocol/protocol.h"
 #include "common/wire/source.h"
 #include "sobox_design_batch_t.h"
 #include "sobox_outcome_batch_t.h"
@@ -28,7 +29,6 @@
 enum {
     STATUS_INTERVAL_MS = 1000,
     DEAF_SECONDS_MAX = 5, // without hearing anything, itself included, before LCM is opened anew
-    RUN_STATE_ENDED = 2,  // this and greater states of run_status_t: the run has ended
 };
 
 struct worker {
@@ -323,7 +323,7 @@ static void on_sample_batch(void *user, enum wire_kind kind, const void *receive
                         .search = (uint32_t)message->search,
                         .step = (uint32_t)message->step,
                         .samples = (uint32_t)message->step_samples,
-                        .method = (enum scenario_sampling)message->sampling,
+                        .method = (enum sampling_method)message->sampling,
                     },
                 .first = (uint32_t)message->first,
                 .count = (uint32_t)message->count,
@@ -390,7 +390,7 @@ static void on_run_status(void *user, enum wire_kind kind, const void *received)
     struct worker *worker = user;
     const sobox_run_status_t *message = received;
     uint64_t sender = (uint64_t)message->header.sender;
-    if (message->state >= RUN_STATE_ENDED) {
+    if (protocol_run_ended((enum run_state)message->state)) {
         presence_coordinator_ended(&worker->presence, sender);
         if (worker->settings.notes)
             log_note("run %s has ended", (const char *)message->name);

@@ -65,7 +65,7 @@ static void pick_block(const struct sampling *sampling, const struct box *box,
         draw(sampling, pair, index, count, unit);
         for (uint32_t variable = pair; variable < pair + 2 && variable < box->count; variable++) {
             double *numbers = unit[variable - pair];
-            if (sampling->method == SCENARIO_SAMPLING_LATIN_HYPERCUBE)
+            if (sampling->method == SAMPLING_METHOD_LATIN_HYPERCUBE)
                 stratify(sampling, variable, index, count, numbers);
             spread(numbers, count, box->lower[variable], box->upper[variable],
                    values + variable * stride);
@@ -92,7 +92,7 @@ void sampling_pick(const struct sampling *sampling, const struct box *box, const
                    uint32_t count, double *values, size_t stride)
 {
     assert(stride >= count);
-    if (sampling->method == SCENARIO_SAMPLING_SOBOL) {
+    if (sampling->method == SAMPLING_METHOD_SOBOL) {
         pick_sobol(sampling, box, index, 0, count, values, stride);
         return;
     }
@@ -108,9 +108,9 @@ void sampling_fill(const struct sampling *sampling, const struct box *box, uint3
                    uint32_t count, double *values, size_t stride)
 {
     assert(stride >= count);
-    assert(sampling->method != SCENARIO_SAMPLING_LATIN_HYPERCUBE ||
+    assert(sampling->method != SAMPLING_METHOD_LATIN_HYPERCUBE ||
            (uint64_t)first + count <= sampling->samples);
-    if (sampling->method == SCENARIO_SAMPLING_SOBOL) {
+    if (sampling->method == SAMPLING_METHOD_SOBOL) {
         pick_sobol(sampling, box, NULL, first, count, values, stride);
         return;
     }

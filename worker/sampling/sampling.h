@@ -6,6 +6,7 @@
 #define SOBOX_WORKER_SAMPLING_SAMPLING_H
 
 #include "common/numeric/box.h"
+#include "common/protocol/protocol.h"
 #include "common/scenario/scenario.h"
 
 #include <stddef.h>
@@ -16,7 +17,7 @@ struct sampling {
     uint32_t search;  // index of the search in its run: names the step, changes no sample
     uint32_t step;    // of the search, over all phases
     uint32_t samples; // of the whole step: a Latin hypercube has that many strata
-    enum scenario_sampling method;
+    enum sampling_method method;
 };
 
 // Fills in samples first .. first + count - 1: values[variable * stride + i] belongs to sample

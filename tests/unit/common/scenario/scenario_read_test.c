@@ -76,7 +76,7 @@ static void every_key_arrives(void **state)
     assert_int_equal(s.search.samples, 200);
     assert_int_equal(s.search.exploration_steps, 10);
     assert_int_equal(s.search.consolidation_steps, 20);
-    assert_int_equal(s.search.sampling, SCENARIO_SAMPLING_LATIN_HYPERCUBE);
+    assert_int_equal(s.search.sampling, SAMPLING_METHOD_LATIN_HYPERCUBE);
     assert_true(s.search.target_purity == 0.95);
     assert_int_equal(s.search.certificate_samples, 5000);
     assert_true(s.search.seed == UINT64_C(9007199254740991));

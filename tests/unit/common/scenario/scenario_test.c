@@ -50,7 +50,7 @@ static void enums_answer_with_the_words_of_the_file(void **state)
     assert_string_equal(scenario_integrator_name(SCENARIO_INTEGRATOR_RUNGE_KUTTA_4),
                         "runge_kutta_4");
     assert_string_equal(scenario_reloading_name(SCENARIO_RELOADING_CRUSHED), "crushed");
-    assert_string_equal(scenario_sampling_name(SCENARIO_SAMPLING_SOBOL), "sobol");
+    assert_string_equal(scenario_sampling_name(SAMPLING_METHOD_SOBOL), "sobol");
     assert_string_equal(scenario_profile_name(SCENARIO_PROFILE_ROUNDED), "rounded");
     assert_string_equal(scenario_direction_name(SCENARIO_DIRECTION_X), "x");
     assert_string_equal(scenario_direction_name(SCENARIO_DIRECTION_Y), "y");

@@ -94,7 +94,7 @@ static void counts_arrive(void **state)
     struct scenario s = read_valid(plane, "{starts: 7, evaluations: 40e3, sampling: sobol}");
     assert_int_equal(s.search.starts, 7);
     assert_true(s.search.evaluations == 40000);
-    assert_int_equal(s.search.sampling, SCENARIO_SAMPLING_SOBOL);
+    assert_int_equal(s.search.sampling, SAMPLING_METHOD_SOBOL);
     scenario_fini(&s);
 }
 

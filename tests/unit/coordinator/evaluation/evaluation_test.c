@@ -99,7 +99,7 @@ static void evaluation_goes_on_where_its_note_says(void **state)
     assert_true(g_str_has_suffix(evaluation.designs, "/table.csv"));
     assert_string_equal(evaluation.scenario.name, "sample");
     append(&evaluation, "3,0.5,1,\n4,-1,0,distance\n", 200);
-    assert_int_equal(evaluation_end(&evaluation, EVALUATION_DONE, 0, NULL), STATUS_OK);
+    assert_int_equal(evaluation_end(&evaluation, RUN_STATE_DONE, 0, NULL), STATUS_OK);
     evaluation_fini(&evaluation);
     char *again = content_of("outcomes.csv");
     assert_string_equal(again, all);

@@ -260,13 +260,13 @@ static void tamper(const char *folder, const char *sql)
 static void run_and_searches_come_back(void **state)
 {
     struct journal *journal = create(*state, 3);
-    assert_int_equal(journal_state(journal, JOURNAL_STATE_INTERRUPTED, 42, NULL), STATUS_OK);
+    assert_int_equal(journal_state(journal, RUN_STATE_INTERRUPTED, 42, NULL), STATUS_OK);
     struct journal_run run, expected = run_of(3);
     assert_int_equal(journal_read_run(journal, &run, NULL), STATUS_OK);
     assert_string_equal(run.name, expected.name);
     assert_string_equal(run.version, expected.version);
     assert_true(run.id == expected.id);
-    assert_int_equal(run.state, JOURNAL_STATE_INTERRUPTED);
+    assert_int_equal(run.state, RUN_STATE_INTERRUPTED);
     assert_int_equal(run.search_count, 3);
     assert_int_equal(run.started_ns, expected.started_ns);
     assert_int_equal(run.elapsed_ns, 42);

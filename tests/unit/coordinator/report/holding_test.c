@@ -54,7 +54,7 @@ static void finish(struct journal *journal, const struct search *search)
                                     .evaluations = result.evaluations,
                                     .steps = result.steps,
                                     .digest = result.digest};
-    g_strlcpy(record.status, search_status_name(result.status), sizeof record.status);
+    g_strlcpy(record.status, protocol_status_name(result.status), sizeof record.status);
     if (result.status == SEARCH_STATUS_NO_GOOD_DESIGN)
         g_strlcpy(record.blocking_constraint, "decel_max", sizeof record.blocking_constraint);
     assert_int_equal(journal_finish_search(journal, &record, NULL), STATUS_OK);
@@ -95,13 +95,13 @@ static void run(const char *folder, const char *more, bool hopeless, int steps_l
                                     .box = &box,
                                     .detail = request.detail,
                                     .verdicts = verdicts};
-        g_strlcpy(step.phase, search_phase_name(last->phase), sizeof step.phase);
+        g_strlcpy(step.phase, protocol_phase_name(last->phase), sizeof step.phase);
         assert_int_equal(journal_append(journal, &step, NULL), STATUS_OK);
         box_fini(&box);
     }
     if (!search_request(search, &request))
         finish(journal, search);
-    assert_int_equal(journal_state(journal, JOURNAL_STATE_DONE, 1, NULL), STATUS_OK);
+    assert_int_equal(journal_state(journal, RUN_STATE_DONE, 1, NULL), STATUS_OK);
     journal_close(journal);
     g_free(verdicts);
     search_free(search);

@@ -156,9 +156,9 @@ static inline void sample_run(const char *folder, const char *yaml, uint32_t sea
     assert_int_equal(journal_create(&journal, folder, &run, records, NULL), STATUS_OK);
     for (uint32_t i = 0; i < searches; i++)
         sample_fill(journal, i, end, &scenario.design_space);
-    enum journal_state state = end == SAMPLE_UNTOUCHED || end == SAMPLE_UNFINISHED
-                                   ? JOURNAL_STATE_INTERRUPTED
-                                   : JOURNAL_STATE_DONE;
+    enum run_state state = end == SAMPLE_UNTOUCHED || end == SAMPLE_UNFINISHED
+                               ? RUN_STATE_INTERRUPTED
+                               : RUN_STATE_DONE;
     assert_int_equal(journal_state(journal, state, 250000000, NULL), STATUS_OK);
     journal_close(journal);
     scenario_fini(&scenario);
@@ -206,7 +206,7 @@ static inline void sample_sweep(const char *folder)
         STATUS_OK);
     sample_fill(journal, 0, SAMPLE_DONE, &scenario.design_space);
     sample_fill(journal, 1, SAMPLE_NO_GOOD_DESIGN, &scenario.design_space);
-    assert_int_equal(journal_state(journal, JOURNAL_STATE_INTERRUPTED, 1, NULL), STATUS_OK);
+    assert_int_equal(journal_state(journal, RUN_STATE_INTERRUPTED, 1, NULL), STATUS_OK);
     journal_close(journal);
     scenario_fini(&scenario);
 }

@@ -156,7 +156,7 @@ static void resumed_run_ends_with_the_digest_of_an_uninterrupted_one(void **stat
         remove_tree(fixture->folder);
         begin(&run, fixture->folder);
         work_on(&run, 0, (unsigned)at, NULL);
-        assert_int_equal(run_end(&run, JOURNAL_STATE_INTERRUPTED, 5, &error), STATUS_OK);
+        assert_int_equal(run_end(&run, RUN_STATE_INTERRUPTED, 5, &error), STATUS_OK);
         run_fini(&run);
         resume(&run, fixture->folder);
         assert_int_equal(run.record.elapsed_ns, 5);
@@ -208,7 +208,7 @@ static void finished_run_is_not_resumed(void **state)
     struct error error = {0};
     begin(&run, fixture->folder);
     assert_true(work_on(&run, 0, ALL, NULL));
-    assert_int_equal(run_end(&run, JOURNAL_STATE_DONE, 1, &error), STATUS_OK);
+    assert_int_equal(run_end(&run, RUN_STATE_DONE, 1, &error), STATUS_OK);
     run_fini(&run);
     assert_int_equal(run_resume(&run, fixture->folder, &everything, 1, 0, &error), STATUS_REFUSED);
     assert_non_null(strstr(error.text, "sobox-report"));
@@ -452,7 +452,7 @@ static void search_that_does_not_replay_fails_alone(void **state)
 
     resume(&run, fixture->folder);
     assert_int_equal(run_open(&run, 0, 0, &error), STATUS_REFUSED);
-    assert_int_equal(run.standings[0], RUN_FAILED);
+    assert_int_equal(run.standings[0], SEARCH_STANDING_FAILED);
     assert_true(work_in_turn(&run, 2, ALL, digests));
     assert_int_equal(run.failed_count, 1);
     assert_int_equal(run.done_count, CASES - 1);

@@ -147,7 +147,7 @@ static struct scenario scenario_of(const struct setting *setting)
     scenario.search.consolidation_steps = setting->steps;
     scenario.search.certificate_samples = setting->certificate;
     scenario.search.target_purity = setting->target;
-    scenario.search.sampling = SCENARIO_SAMPLING_UNIFORM;
+    scenario.search.sampling = SAMPLING_METHOD_UNIFORM;
     return scenario;
 }
 
@@ -208,7 +208,7 @@ static struct outcome_of_search run(const struct setting *setting, uint64_t seed
 static double true_purity(const struct setting *setting, const struct box *box)
 {
     struct search_request request = {
-        .sampling = {.seed = 987654321, .samples = 50000, .method = SCENARIO_SAMPLING_UNIFORM},
+        .sampling = {.seed = 987654321, .samples = 50000, .method = SAMPLING_METHOD_UNIFORM},
         .detail = VERDICT_DETAIL_SHARE,
         .box = box,
     };
@@ -916,10 +916,10 @@ static void search_with_demands_is_resumed(void **state)
 static void phases_and_statuses_have_names(void **state)
 {
     (void)state;
-    assert_string_equal(search_phase_name(SEARCH_PHASE_CONSOLIDATE), "consolidate");
-    assert_string_equal(search_status_name(SEARCH_STATUS_NO_GOOD_DESIGN), "no_good_design");
+    assert_string_equal(protocol_phase_name(SEARCH_PHASE_CONSOLIDATE), "consolidate");
+    assert_string_equal(protocol_status_name(SEARCH_STATUS_NO_GOOD_DESIGN), "no_good_design");
     for (int i = 0; i <= SEARCH_PHASE_DONE; i++)
-        assert_non_null(search_phase_name((enum search_phase)i));
+        assert_non_null(protocol_phase_name((enum search_phase)i));
 }
 
 int main(void)

@@ -108,7 +108,7 @@ static void search_that_is_over_is_no_news_twice(void **state)
 {
     struct feed *feed = *state;
     sobox_search_status_t message = search_message(7, 1, 9);
-    message.standing = FEED_STANDING_DONE;
+    message.standing = SEARCH_STANDING_DONE;
     message.status = 1;
     feed_search_heard(feed, &message, 1);
     const uint64_t version = feed->version;

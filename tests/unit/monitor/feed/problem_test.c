@@ -88,7 +88,7 @@ static void healthy_run_has_no_problem(void **state)
     }
     assert_no_problem(feed, 9 * SECOND);
     sobox_run_status_t done = run_message(10);
-    done.state = FEED_STATE_DONE;
+    done.state = RUN_STATE_DONE;
     feed_run_heard(feed, &done, 10 * SECOND);
     hear_worker(feed, 10, 1000, 0, 0);
     hear_worker(feed, 11, 1000, 0, 0);
@@ -126,7 +126,7 @@ static void waiting_and_refused_are_told_with_the_remedy(void **state)
 {
     struct feed *feed = *state;
     sobox_run_status_t run = run_message(1);
-    run.state = FEED_STATE_WAITING;
+    run.state = RUN_STATE_WAITING;
     run.workers_refused = 2;
     feed_run_heard(feed, &run, SECOND);
     assert_problem(feed, SECOND, "sedan waits for workers: start sobox-worker");

@@ -14,7 +14,7 @@ static struct verdict verdicts[] = {{0, 0}, {VERDICT_NON_FINITE, 1}, {1 << 14, 0
 static struct album_picture picture_make(void)
 {
     return (struct album_picture){
-        .sampling = {.seed = 3, .step = 8, .samples = 50, .method = SCENARIO_SAMPLING_SOBOL},
+        .sampling = {.seed = 3, .step = 8, .samples = 50, .method = SAMPLING_METHOD_SOBOL},
         .phase = 1,
         .good = 40,
         .count = 3,

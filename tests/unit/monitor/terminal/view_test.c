@@ -34,7 +34,7 @@ static void hear_step(struct feed *feed, int32_t search, int32_t step, double lo
     sobox_search_status_t message = {
         .header = {.sender = 5, .sequence = step * 8 + search, .run = 5},
         .search = search,
-        .standing = FEED_STANDING_OPEN,
+        .standing = SEARCH_STANDING_OPEN,
         .phase = 1,
         .step = step,
         .step_count = 20,

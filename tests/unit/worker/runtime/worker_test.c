@@ -85,7 +85,7 @@ static void send_batch_to(struct coordinator *coordinator, uint32_t index, bool 
         .first = (int32_t)batch.first,
         .count = (int32_t)batch.count,
         .step_samples = (int32_t)batch.sampling.samples,
-        .sampling = SCENARIO_SAMPLING_UNIFORM,
+        .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
     };
     memcpy(message.scenario, coordinator->scenario_digest.bytes, DIGEST_SIZE);

@@ -16,7 +16,7 @@ static double lower[VARIABLES] = {0, -1e5, 3, 1e-3, -7};
 static double upper[VARIABLES] = {1, 450e3, 3, 2e-3, -6.5};
 static const struct box box = {.count = VARIABLES, .lower = lower, .upper = upper};
 
-static struct sampling sampling_of(enum scenario_sampling method, uint32_t samples)
+static struct sampling sampling_of(enum sampling_method method, uint32_t samples)
 {
     return (struct sampling){
         .seed = 42, .search = 3, .step = 17, .samples = samples, .method = method};
@@ -26,8 +26,8 @@ static struct sampling sampling_of(enum scenario_sampling method, uint32_t sampl
 static void picked_samples_are_those_of_the_step(void **state)
 {
     (void)state;
-    static const enum scenario_sampling methods[] = {
-        SCENARIO_SAMPLING_UNIFORM, SCENARIO_SAMPLING_LATIN_HYPERCUBE, SCENARIO_SAMPLING_SOBOL};
+    static const enum sampling_method methods[] = {
+        SAMPLING_METHOD_UNIFORM, SAMPLING_METHOD_LATIN_HYPERCUBE, SAMPLING_METHOD_SOBOL};
     enum { SAMPLES = 300, PICKED = 100 };
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         const struct sampling sampling = sampling_of(methods[m], SAMPLES);
@@ -50,7 +50,7 @@ static void picked_samples_are_those_of_the_step(void **state)
 static void uniform_samples_follow_the_definition(void **state)
 {
     (void)state;
-    const struct sampling sampling = sampling_of(SCENARIO_SAMPLING_UNIFORM, 1000);
+    const struct sampling sampling = sampling_of(SAMPLING_METHOD_UNIFORM, 1000);
     double values[VARIABLES * 130];
     sampling_fill(&sampling, &box, 77, 129, values, 130);
     for (uint32_t v = 0; v < VARIABLES; v++) {
@@ -66,8 +66,8 @@ static void uniform_samples_follow_the_definition(void **state)
 static void place_in_the_run_changes_no_sample(void **state)
 {
     (void)state;
-    for (int method = 0; method <= SCENARIO_SAMPLING_SOBOL; method++) {
-        struct sampling sampling = sampling_of((enum scenario_sampling)method, 100);
+    for (int method = 0; method <= SAMPLING_METHOD_SOBOL; method++) {
+        struct sampling sampling = sampling_of((enum sampling_method)method, 100);
         double one[VARIABLES * 100], other[VARIABLES * 100];
         sampling_fill(&sampling, &box, 0, 100, one, 100);
         sampling.search = 99999;
@@ -80,8 +80,8 @@ static void place_in_the_run_changes_no_sample(void **state)
 static void any_part_equals_the_whole(void **state)
 {
     (void)state;
-    for (int method = 0; method <= SCENARIO_SAMPLING_SOBOL; method++) {
-        const struct sampling sampling = sampling_of((enum scenario_sampling)method, 300);
+    for (int method = 0; method <= SAMPLING_METHOD_SOBOL; method++) {
+        const struct sampling sampling = sampling_of((enum sampling_method)method, 300);
         double whole[VARIABLES * 300];
         sampling_fill(&sampling, &box, 0, 300, whole, 300);
         for (uint32_t first = 0, count = 1; first < 300; first += count, count = count * 2 + 1) {
@@ -101,8 +101,8 @@ static void any_part_equals_the_whole(void **state)
 static void samples_stay_in_the_box(void **state)
 {
     (void)state;
-    for (int method = 0; method <= SCENARIO_SAMPLING_SOBOL; method++) {
-        const struct sampling sampling = sampling_of((enum scenario_sampling)method, 4000);
+    for (int method = 0; method <= SAMPLING_METHOD_SOBOL; method++) {
+        const struct sampling sampling = sampling_of((enum sampling_method)method, 4000);
         double *values = malloc(VARIABLES * 4001 * sizeof *values);
         for (uint32_t v = 0; v < VARIABLES; v++)
             values[v * 4001 + 4000] = -1234;
@@ -130,7 +130,7 @@ static void rounding_never_passes_the_upper_bound(void **state)
     double tight_lower[] = {1e16};
     double tight_upper[] = {1e16 + 2};
     const struct box tight = {.count = 1, .lower = tight_lower, .upper = tight_upper};
-    const struct sampling sampling = sampling_of(SCENARIO_SAMPLING_LATIN_HYPERCUBE, 512);
+    const struct sampling sampling = sampling_of(SAMPLING_METHOD_LATIN_HYPERCUBE, 512);
     double values[512];
     sampling_fill(&sampling, &tight, 0, 512, values, 512);
     for (int i = 0; i < 512; i++)
@@ -147,7 +147,7 @@ static void latin_hypercube_fills_each_stratum_once(void **state)
     const struct box unit = {.count = 3, .lower = unit_lower, .upper = unit_upper};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
         const uint32_t count = counts[c];
-        const struct sampling sampling = sampling_of(SCENARIO_SAMPLING_LATIN_HYPERCUBE, count);
+        const struct sampling sampling = sampling_of(SAMPLING_METHOD_LATIN_HYPERCUBE, count);
         double values[3 * 1000];
         sampling_fill(&sampling, &unit, 0, count, values, 1000);
         for (uint32_t v = 0; v < 3; v++) {
@@ -170,7 +170,7 @@ static void latin_hypercube_variables_are_independent(void **state)
     double unit_upper[] = {0.5, 0.5, 0.5, 0.5};
     const struct box unit = {.count = 4, .lower = unit_lower, .upper = unit_upper};
     double values[5 * 1000];
-    struct sampling sampling = sampling_of(SCENARIO_SAMPLING_LATIN_HYPERCUBE, 1000);
+    struct sampling sampling = sampling_of(SAMPLING_METHOD_LATIN_HYPERCUBE, 1000);
     sampling_fill(&sampling, &unit, 0, 1000, values, 1000);
     sampling.step++;
     const struct box first = {.count = 1, .lower = unit_lower, .upper = unit_upper};
