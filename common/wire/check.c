@@ -111,32 +111,31 @@ static bool bounds_ok(const double *bounds, int32_t count, int32_t count_max)
     return true;
 }
 
-static bool samples_ok(int32_t first, int32_t count)
+static bool batch_ok(const sobox_batch_t *m)
 {
-    return first >= 0 && count >= 1 && count <= PROTOCOL_BATCH_SAMPLES_MAX;
+    return NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt, m->first) && m->count >= 1 &&
+           m->count <= PROTOCOL_BATCH_SAMPLES_MAX;
 }
 
 static bool sample_batch_ok(const sobox_sample_batch_t *m)
 {
-    return m->holder != 0 && NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt) &&
-           samples_ok(m->first, m->count) &&
-           m->step_samples >= (int64_t)m->first + (int64_t)m->count && m->sampling >= 0 &&
-           m->sampling < SAMPLING_METHOD_COUNT && m->detail >= 0 &&
+    return m->holder != 0 && batch_ok(&m->batch) &&
+           m->step_samples >= (int64_t)m->batch.first + (int64_t)m->batch.count &&
+           m->sampling >= 0 && m->sampling < SAMPLING_METHOD_COUNT && m->detail >= 0 &&
            m->detail < VERDICT_DETAIL_COUNT &&
            bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SAMPLE_BATCH].count_max);
 }
 
 static bool outcome_batch_ok(const sobox_outcome_batch_t *m)
 {
-    if (!NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt, m->non_finite, m->queue,
-                      m->service_ns) ||
-        !samples_ok(m->first, m->count) || m->non_finite > m->count || m->detail < 0 ||
-        m->detail >= VERDICT_DETAIL_COUNT || m->packed_size < 1 ||
-        m->packed_size > kinds[WIRE_OUTCOME_BATCH].count_max)
+    const int32_t count = m->batch.count;
+    if (!batch_ok(&m->batch) || !NOT_NEGATIVE(m->non_finite, m->queue, m->service_ns) ||
+        m->non_finite > count || m->detail < 0 || m->detail >= VERDICT_DETAIL_COUNT ||
+        m->packed_size < 1 || m->packed_size > kinds[WIRE_OUTCOME_BATCH].count_max)
         return false;
     // A bit a sample at least; the schedule unpacks them and looks closer.
-    size_t greatest = verdict_packed_size_max((uint32_t)m->count, (enum verdict_detail)m->detail);
-    return m->packed_size >= (m->count + 7) / 8 && (size_t)m->packed_size <= greatest;
+    size_t greatest = verdict_packed_size_max((uint32_t)count, (enum verdict_detail)m->detail);
+    return m->packed_size >= (count + 7) / 8 && (size_t)m->packed_size <= greatest;
 }
 
 static bool text_ok(const sobox_text_t *m)
@@ -225,9 +224,8 @@ static bool values_ok(int32_t count, int32_t value_count, int32_t value_max)
 
 static bool design_batch_ok(const sobox_design_batch_t *m)
 {
-    if (m->holder == 0 || !NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt) ||
-        !samples_ok(m->first, m->count) ||
-        !values_ok(m->count, m->value_count, kinds[WIRE_DESIGN_BATCH].count_max))
+    if (m->holder == 0 || !batch_ok(&m->batch) ||
+        !values_ok(m->batch.count, m->value_count, kinds[WIRE_DESIGN_BATCH].count_max))
         return false;
     for (int32_t i = 0; i < m->value_count; i++)
         if (!isfinite(m->values[i]))
@@ -238,9 +236,8 @@ static bool design_batch_ok(const sobox_design_batch_t *m)
 // A simulation may break down, so the values may be any.
 static bool value_batch_ok(const sobox_value_batch_t *m)
 {
-    return NOT_NEGATIVE(m->search, m->step, m->batch, m->attempt, m->queue, m->service_ns) &&
-           samples_ok(m->first, m->count) &&
-           values_ok(m->count, m->value_count, kinds[WIRE_VALUE_BATCH].count_max);
+    return batch_ok(&m->batch) && NOT_NEGATIVE(m->queue, m->service_ns) &&
+           values_ok(m->batch.count, m->value_count, kinds[WIRE_VALUE_BATCH].count_max);
 }
 
 bool check_fields(enum wire_kind kind, const void *message)

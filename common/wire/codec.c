@@ -2,6 +2,30 @@
 
 #include <string.h>
 
+sobox_batch_t codec_batch(const struct batch_identity *identity)
+{
+    return (sobox_batch_t){
+        .search = (int32_t)identity->search,
+        .step = (int32_t)identity->step,
+        .batch = (int32_t)identity->batch,
+        .attempt = (int32_t)identity->attempt,
+        .first = (int32_t)identity->first,
+        .count = (int32_t)identity->count,
+    };
+}
+
+struct batch_identity codec_identity(const sobox_batch_t *batch)
+{
+    return (struct batch_identity){
+        .search = (uint32_t)batch->search,
+        .step = (uint32_t)batch->step,
+        .batch = (uint32_t)batch->batch,
+        .attempt = (uint32_t)batch->attempt,
+        .first = (uint32_t)batch->first,
+        .count = (uint32_t)batch->count,
+    };
+}
+
 size_t codec_encoded_size(enum wire_kind kind, const void *message)
 {
     switch (kind) {

@@ -2,6 +2,7 @@
 #ifndef SOBOX_COMMON_WIRE_CODEC_H
 #define SOBOX_COMMON_WIRE_CODEC_H
 
+#include "common/protocol/protocol.h"
 #include "common/wire/wire.h"
 
 #include "sobox_cases_t.h"
@@ -39,6 +40,11 @@ union codec_message {
     CODEC_LIST(CODEC_MEMBER)
 #undef CODEC_MEMBER
 };
+
+// The identity of a batch as it travels, and back. The wire's check has seen to it that no number
+// of a received one is below 0.
+sobox_batch_t codec_batch(const struct batch_identity *identity);
+struct batch_identity codec_identity(const sobox_batch_t *batch);
 
 // Bytes that `message` (the type of `kind`) encodes to. Its count must be in range.
 size_t codec_encoded_size(enum wire_kind kind, const void *message);

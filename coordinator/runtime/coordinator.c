@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/wire/codec.h"
 #include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/pool.h"
@@ -11,9 +12,6 @@
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/batch/intake.h"
-
-#include "sobox_outcome_batch_t.h"
-#include "sobox_sample_batch_t.h"
 
 #include <glib.h>
 #include <string.h>
@@ -40,7 +38,7 @@ struct coordinator {
 
 // ---- Batches ----
 
-static void send_batch(void *user, uint64_t worker, const struct schedule_batch *batch)
+static void send_batch(void *user, uint64_t worker, const struct batch_identity *batch)
 {
     struct coordinator *coordinator = user;
     const struct run_search *search = coordinator->run->open[batch->search];
@@ -50,12 +48,7 @@ static void send_batch(void *user, uint64_t worker, const struct schedule_batch 
         .header.run = (int64_t)coordinator->run->record.id,
         .holder = (int64_t)worker,
         .seed = (int64_t)request->sampling.seed,
-        .search = (int32_t)batch->search,
-        .step = (int32_t)batch->step,
-        .batch = (int32_t)batch->batch,
-        .attempt = (int32_t)batch->attempt,
-        .first = (int32_t)batch->first,
-        .count = (int32_t)batch->count,
+        .batch = codec_batch(batch),
         .step_samples = (int32_t)request->sampling.samples,
         .sampling = (int8_t)request->sampling.method,
         .detail = (int8_t)request->detail,
@@ -71,7 +64,7 @@ static void send_batch(void *user, uint64_t worker, const struct schedule_batch 
     (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
 }
 
-static void count_batch(void *user, const struct schedule_batch *batch)
+static void count_batch(void *user, const struct batch_identity *batch)
 {
     const struct coordinator *coordinator = user;
     memcpy(coordinator->run->open[batch->search]->verdicts + batch->first, coordinator->unpacked,
@@ -269,29 +262,20 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
     (void)kind;
     struct coordinator *coordinator = user;
     const sobox_outcome_batch_t *message = bytes;
-    if (!ours(coordinator, &message->header) || message->search < 0 ||
-        (uint32_t)message->search >= coordinator->run->record.search_count ||
-        message->count > PROTOCOL_BATCH_SAMPLES_MAX)
+    const struct batch_identity batch = codec_identity(&message->batch);
+    if (!ours(coordinator, &message->header) ||
+        batch.search >= coordinator->run->record.search_count)
         return;
-    const struct run_search *search = coordinator->run->open[message->search];
+    const struct run_search *search = coordinator->run->open[batch.search];
     // Only the step being sampled can count; an outcome of an earlier one is unpacked by no one.
-    if (search != NULL && search->active &&
-        (uint32_t)message->step == search->request.sampling.step &&
+    if (search != NULL && search->active && batch.step == search->request.sampling.step &&
         (message->detail != (int8_t)search->request.detail ||
-         !verdict_unpack(coordinator->unpacked, (uint32_t)message->count, search->request.detail,
+         !verdict_unpack(coordinator->unpacked, batch.count, search->request.detail,
                          search->scenario.constraint_count, message->packed,
                          (size_t)message->packed_size))) {
-        log_debug("an outcome of step %d does not unpack", message->step);
+        log_debug("an outcome of step %u does not unpack", batch.step);
         return;
     }
-    const struct schedule_batch batch = {
-        .search = (uint32_t)message->search,
-        .step = (uint32_t)message->step,
-        .batch = (uint32_t)message->batch,
-        .attempt = (uint32_t)message->attempt,
-        .first = (uint32_t)message->first,
-        .count = (uint32_t)message->count,
-    };
     crew_outcome(coordinator->crew, (uint64_t)message->header.sender, &batch,
                  (uint32_t)message->queue, message->service_ns);
     advance_or_stop(coordinator);

@@ -116,7 +116,7 @@ void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t sampl
                                                           .share_only = share_only}});
 }
 
-void crew_outcome(struct crew *crew, uint64_t worker, const struct schedule_batch *batch,
+void crew_outcome(struct crew *crew, uint64_t worker, const struct batch_identity *batch,
                   uint32_t queue, int64_t service_ns)
 {
     schedule_take(crew, &(struct schedule_event){.kind = SCHEDULE_EVENT_OUTCOME,

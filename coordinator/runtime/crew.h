@@ -20,9 +20,9 @@ struct crew;
 struct crew_calls {
     // Publish this batch, leased to this worker. A message that LCM cannot send is one that was
     // lost: the lease brings the batch back.
-    void (*send)(void *user, uint64_t worker, const struct schedule_batch *batch);
+    void (*send)(void *user, uint64_t worker, const struct batch_identity *batch);
     // The outcome being given to crew_outcome() counts.
-    void (*count)(void *user, const struct schedule_batch *batch);
+    void (*count)(void *user, const struct batch_identity *batch);
     // All samples of this step have been counted. Not called from within crew_step().
     void (*finished)(void *user, uint32_t search, uint32_t step);
     // Once a second, for whoever watches: how it goes, and whether there is nobody to work.
@@ -47,7 +47,7 @@ void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t sampl
                bool share_only);
 
 // An outcome has been heard and is well-formed: `worker` is its sender.
-void crew_outcome(struct crew *crew, uint64_t worker, const struct schedule_batch *batch,
+void crew_outcome(struct crew *crew, uint64_t worker, const struct batch_identity *batch,
                   uint32_t queue, int64_t service_ns);
 
 void crew_counters(const struct crew *crew, struct schedule_counters *counters);

@@ -4,15 +4,12 @@
 #include "common/base/log.h"
 #include "common/base/watch.h"
 #include "common/numeric/identity.h"
+#include "common/wire/codec.h"
 #include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/tell.h"
 #include "worker/batch/fingerprint.h"
-
-#include "sobox_design_batch_t.h"
-#include "sobox_run_status_t.h"
-#include "sobox_value_batch_t.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -265,7 +262,7 @@ static void watch_table(struct work *work)
 
 // ---- The workers ----
 
-static void send_batch(void *user, uint64_t worker, const struct schedule_batch *batch)
+static void send_batch(void *user, uint64_t worker, const struct batch_identity *batch)
 {
     struct work *work = user;
     const struct piece *piece = &work->pieces[batch->search];
@@ -273,12 +270,7 @@ static void send_batch(void *user, uint64_t worker, const struct schedule_batch 
     sobox_design_batch_t message = {
         .header.run = (int64_t)work->run,
         .holder = (int64_t)worker,
-        .search = (int32_t)batch->search,
-        .step = (int32_t)batch->step,
-        .batch = (int32_t)batch->batch,
-        .attempt = (int32_t)batch->attempt,
-        .first = (int32_t)batch->first,
-        .count = (int32_t)batch->count,
+        .batch = codec_batch(batch),
         .value_count = (int32_t)(batch->count * variables),
         .values = piece->designs.values + batch->first * (size_t)variables,
     };
@@ -286,7 +278,7 @@ static void send_batch(void *user, uint64_t worker, const struct schedule_batch 
     (void)!wire_publish(work->wire, WIRE_DESIGN_BATCH, &message);
 }
 
-static void count_batch(void *user, const struct schedule_batch *batch)
+static void count_batch(void *user, const struct batch_identity *batch)
 {
     const struct work *work = user;
     const size_t outcomes = outcome_count(work);
@@ -308,24 +300,17 @@ static void heard_values(void *user, enum wire_kind kind, const void *bytes)
     (void)kind;
     struct work *work = user;
     const sobox_value_batch_t *message = bytes;
-    if ((uint64_t)message->header.run != work->run || message->search >= EVALUATE_PIECES_MAX)
+    const struct batch_identity batch = codec_identity(&message->batch);
+    if ((uint64_t)message->header.run != work->run || batch.search >= EVALUATE_PIECES_MAX)
         return;
-    const struct piece *piece = &work->pieces[message->search];
+    const struct piece *piece = &work->pieces[batch.search];
     // Only what is being evaluated can count. Whether the batch is one of it the schedule knows.
-    if (piece->state != READ || (uint32_t)message->step != piece->step ||
-        (uint32_t)message->value_count != (uint32_t)message->count * outcome_count(work)) {
-        log_debug("an outcome of piece %d, step %d is not wanted", message->search, message->step);
+    if (piece->state != READ || batch.step != piece->step ||
+        (uint32_t)message->value_count != batch.count * outcome_count(work)) {
+        log_debug("an outcome of piece %u, step %u is not wanted", batch.search, batch.step);
         return;
     }
     work->heard = message->values;
-    const struct schedule_batch batch = {
-        .search = (uint32_t)message->search,
-        .step = (uint32_t)message->step,
-        .batch = (uint32_t)message->batch,
-        .attempt = (uint32_t)message->attempt,
-        .first = (uint32_t)message->first,
-        .count = (uint32_t)message->count,
-    };
     crew_outcome(work->crew, (uint64_t)message->header.sender, &batch, (uint32_t)message->queue,
                  message->service_ns);
     work->heard = NULL;

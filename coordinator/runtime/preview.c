@@ -43,7 +43,7 @@ static void probe(const struct scenario *scenario, struct measurement *measureme
 {
     const int64_t start_ns = clock_monotonic_ns();
     struct model *model = model_create(scenario);
-    struct search *search = search_create(scenario, 0, scenario->search.seed, 1);
+    struct search *search = search_create(scenario, scenario->search.seed, 1);
     struct search_request request;
     struct verdict *verdicts = NULL;
     int64_t now_ns = start_ns;

@@ -346,7 +346,7 @@ enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct err
     enum status status = search_read(run, search, error);
     if (status == STATUS_OK) {
         const struct scenario *scenario = &search->scenario;
-        search->search = search_create(scenario, index, scenario->search.seed, run->threads);
+        search->search = search_create(scenario, scenario->search.seed, run->threads);
         search->bounds = g_new(double, 2 * (size_t)scenario->design_space.count);
         status = journal_read_steps(run->journal, index, replay, search->search, error);
     }

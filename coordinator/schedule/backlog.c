@@ -152,7 +152,7 @@ struct backlog_batch *backlog_cut(struct backlog *backlog, struct backlog_step *
     assert(count > 0);
     assert(count <= step->samples - step->cut);
     struct backlog_batch *batch = batch_new(backlog);
-    batch->identity = (struct schedule_batch){
+    batch->identity = (struct batch_identity){
         .search = step->search->search,
         .step = step->step,
         .batch = step->batches->len,
@@ -196,7 +196,7 @@ void backlog_set_late(struct backlog *backlog, struct backlog_batch *batch, bool
 }
 
 enum backlog_match backlog_match(const struct backlog *backlog,
-                                 const struct schedule_batch *identity,
+                                 const struct batch_identity *identity,
                                  struct backlog_batch **found)
 {
     *found = NULL;

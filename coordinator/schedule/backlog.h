@@ -32,7 +32,7 @@ enum backlog_state {
 };
 
 struct backlog_batch {
-    struct schedule_batch identity; // attempt: of the next lease
+    struct batch_identity identity; // attempt: of the next lease
     struct backlog_step *step;
     enum backlog_state state;
     uint64_t holder; // the last one's sender number
@@ -104,7 +104,7 @@ void backlog_set_late(struct backlog *backlog, struct backlog_batch *batch, bool
 
 // Finds the batch an outcome belongs to: NULL when it is unknown or its step is done.
 enum backlog_match backlog_match(const struct backlog *backlog,
-                                 const struct schedule_batch *identity,
+                                 const struct batch_identity *identity,
                                  struct backlog_batch **found);
 
 #endif

@@ -300,7 +300,7 @@ void roster_too_soon(const struct roster *roster, struct roster_worker *worker)
 }
 
 void roster_missed(const struct roster *roster, struct roster_worker *worker,
-                   const struct schedule_batch *batch, uint32_t attempt)
+                   const struct batch_identity *batch, uint32_t attempt)
 {
     struct roster_missed *missed = &worker->missed[worker->missed_next++ % ROSTER_MISSED_MAX];
     if (missed->open)
@@ -310,7 +310,7 @@ void roster_missed(const struct roster *roster, struct roster_worker *worker,
 }
 
 void roster_came(const struct roster *roster, struct roster_worker *worker,
-                 const struct schedule_batch *batch)
+                 const struct batch_identity *batch)
 {
     for (uint32_t i = 0; i < ROSTER_MISSED_MAX; i++) {
         struct roster_missed *missed = &worker->missed[i];

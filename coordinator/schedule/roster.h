@@ -41,7 +41,7 @@ enum {
 
 // A lease that was given up before its outcome came.
 struct roster_missed {
-    struct schedule_batch batch; // with the attempt
+    struct batch_identity batch; // with the attempt
     bool open;                   // its outcome has not come yet
 };
 
@@ -148,9 +148,9 @@ void roster_lapsed(struct roster *roster, struct roster_worker *worker, int64_t 
 // outcome came, be it of a lease that had been given up, which then was too soon as well.
 void roster_hurry(const struct roster *roster, struct roster_worker *worker);
 void roster_missed(const struct roster *roster, struct roster_worker *worker,
-                   const struct schedule_batch *batch, uint32_t attempt);
+                   const struct batch_identity *batch, uint32_t attempt);
 void roster_came(const struct roster *roster, struct roster_worker *worker,
-                 const struct schedule_batch *batch);
+                 const struct batch_identity *batch);
 void roster_too_soon(const struct roster *roster, struct roster_worker *worker);
 
 bool roster_stalled(const struct roster_worker *worker);

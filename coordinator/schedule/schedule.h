@@ -14,6 +14,8 @@
 #ifndef SOBOX_COORDINATOR_SCHEDULE_SCHEDULE_H
 #define SOBOX_COORDINATOR_SCHEDULE_SCHEDULE_H
 
+#include "common/protocol/protocol.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -31,16 +33,6 @@ struct schedule_settings {
 };
 
 struct schedule_settings schedule_settings_default(void);
-
-// What identifies a batch everywhere.
-struct schedule_batch {
-    uint32_t search;
-    uint32_t step;
-    uint32_t batch;   // of the step
-    uint32_t attempt; // 0 at first
-    uint32_t first;   // sample
-    uint32_t count;   // samples
-};
 
 enum schedule_event_kind {
     SCHEDULE_EVENT_TICK,    // time has passed
@@ -74,7 +66,7 @@ struct schedule_event {
         } worker;
         struct {
             uint64_t worker; // sender number
-            struct schedule_batch batch;
+            struct batch_identity batch;
             uint32_t queue;     // still waiting there
             int64_t service_ns; // its evaluation took
         } outcome;
@@ -93,10 +85,10 @@ struct schedule_effect {
     union {
         struct {
             uint64_t worker;
-            struct schedule_batch batch;
+            struct batch_identity batch;
         } send;
         struct {
-            struct schedule_batch batch;
+            struct batch_identity batch;
         } count;
         struct {
             uint32_t search;

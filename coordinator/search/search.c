@@ -54,7 +54,6 @@ struct counted {
 
 struct search {
     const struct scenario *scenario; // borrowed
-    uint32_t index;
     uint64_t seed;
     int threads;
 
@@ -138,7 +137,6 @@ static void ask_requested(struct search *search, uint32_t samples, enum sampling
 {
     search->request = (struct search_request){
         .sampling = {.seed = search->seed,
-                     .search = search->index,
                      .step = search->step,
                      .samples = samples,
                      .method = method},
@@ -738,13 +736,11 @@ static void find_free_variables(struct search *search)
     box_fini(&held);
 }
 
-struct search *search_create(const struct scenario *scenario, uint32_t index, uint64_t seed,
-                             int threads)
+struct search *search_create(const struct scenario *scenario, uint64_t seed, int threads)
 {
     assert(threads > 0);
     struct search *search = g_new0(struct search, 1);
     search->scenario = scenario;
-    search->index = index;
     search->seed = seed;
     search->threads = threads;
     find_free_variables(search);

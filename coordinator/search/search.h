@@ -69,10 +69,9 @@ struct search_result {
 
 struct search;
 
-// A search of `scenario` (borrowed for the life of the search). `index` is its number in the run;
-// it names the steps it asks for and changes no result. `threads` may trim. The caller frees it.
-struct search *search_create(const struct scenario *scenario, uint32_t index, uint64_t seed,
-                             int threads);
+// A search of `scenario` (borrowed for the life of the search). `threads` may trim. The caller
+// frees it.
+struct search *search_create(const struct scenario *scenario, uint64_t seed, int threads);
 void search_free(struct search *search);
 
 // Fills in what to sample next; false when the search is done. Asking twice changes nothing.

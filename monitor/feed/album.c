@@ -48,7 +48,6 @@ static struct album_picture *picture_begin(const sobox_step_status_t *message)
         .sampling =
             {
                 .seed = (uint64_t)message->seed,
-                .search = (uint32_t)message->search,
                 .step = (uint32_t)message->step,
                 .samples = (uint32_t)message->samples,
                 .method = (enum sampling_method)message->sampling,

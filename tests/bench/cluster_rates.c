@@ -14,6 +14,7 @@
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/scenario/scenario_read.h"
+#include "common/wire/codec.h"
 #include "common/wire/source.h"
 #include "coordinator/runtime/deadline.h"
 #include "coordinator/runtime/texts.h"
@@ -21,13 +22,6 @@
 #include "worker/batch/batch.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
-
-#include "sobox_outcome_batch_t.h"
-#include "sobox_run_status_t.h"
-#include "sobox_sample_batch_t.h"
-#include "sobox_text_request_t.h"
-#include "sobox_text_t.h"
-#include "sobox_worker_status_t.h"
 
 #include <assert.h>
 #include <glib.h>
@@ -165,18 +159,14 @@ static void print_all(const char *figure, double *values, size_t count, bool gre
 
 // ---- A coordinator without search and journal ----
 
-static void send_batch(struct bench *bench, uint64_t worker, const struct schedule_batch *batch)
+static void send_batch(struct bench *bench, uint64_t worker, const struct batch_identity *batch)
 {
     const uint32_t variables = bench->scenario.design_space.count;
     sobox_sample_batch_t message = {
         .header.run = (int64_t)bench->run,
         .holder = (int64_t)worker,
         .seed = 1,
-        .step = (int32_t)batch->step,
-        .batch = (int32_t)batch->batch,
-        .attempt = (int32_t)batch->attempt,
-        .first = (int32_t)batch->first,
-        .count = (int32_t)batch->count,
+        .batch = codec_batch(batch),
         .step_samples = (int32_t)bench->load->samples,
         .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
@@ -211,22 +201,16 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *received)
     struct bench *bench = user;
     const sobox_outcome_batch_t *message = received;
     if ((uint64_t)message->header.run != bench->run || !bench->sampling ||
-        (uint32_t)message->step != bench->step || (uint32_t)message->count > bench->load->samples ||
-        !verdict_unpack(bench->unpacked, (uint32_t)message->count, VERDICT_DETAIL_FULL,
+        (uint32_t)message->batch.step != bench->step ||
+        (uint32_t)message->batch.count > bench->load->samples ||
+        !verdict_unpack(bench->unpacked, (uint32_t)message->batch.count, VERDICT_DETAIL_FULL,
                         bench->scenario.constraint_count, message->packed,
                         (size_t)message->packed_size))
         return;
     take(bench, &(struct schedule_event){.kind = SCHEDULE_EVENT_OUTCOME,
                                          .outcome = {
                                              .worker = (uint64_t)message->header.sender,
-                                             .batch =
-                                                 {
-                                                     .step = (uint32_t)message->step,
-                                                     .batch = (uint32_t)message->batch,
-                                                     .attempt = (uint32_t)message->attempt,
-                                                     .first = (uint32_t)message->first,
-                                                     .count = (uint32_t)message->count,
-                                                 },
+                                             .batch = codec_identity(&message->batch),
                                              .queue = (uint32_t)message->queue,
                                              .service_ns = message->service_ns,
                                          }});

@@ -103,7 +103,7 @@ static bool study_differs(const struct study_outcomes *a, const struct study_out
 static struct search *study_search(const struct scenario *scenario, struct search_result *result)
 {
     struct model *model = model_create(scenario);
-    struct search *search = search_create(scenario, 0, scenario->search.seed, STUDY_THREADS);
+    struct search *search = search_create(scenario, scenario->search.seed, STUDY_THREADS);
     struct search_request request;
     while (search_request(search, &request)) {
         const struct batch batch = {

@@ -235,7 +235,7 @@ static void run_search(const struct scenario *scenario, const struct model *mode
     trim_ns = 0;
     int64_t search_ns = 0;
     const int64_t begin = thread_ns();
-    struct search *search = search_create(scenario, 0, seed, 1);
+    struct search *search = search_create(scenario, seed, 1);
     struct search_request request;
     struct verdict *verdicts = NULL;
     bool spent = false; // the budget

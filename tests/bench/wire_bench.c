@@ -91,12 +91,12 @@ static void listen_to(struct bench *bench, enum wire_kind kind)
 static void publish(struct wire *wire, const struct bench_message *what)
 {
     sobox_sample_batch_t batch = {.holder = 1,
-                                  .count = 200,
+                                  .batch.count = 200,
                                   .step_samples = 200,
                                   .bound_count = what->bound_count,
                                   .bounds = bounds};
     sobox_outcome_batch_t outcome = {
-        .count = what->samples, .packed_size = what->packed_size, .packed = packed};
+        .batch.count = what->samples, .packed_size = what->packed_size, .packed = packed};
     sobox_run_status_t status = {.name = "bench", .searches = 1};
     void *message = what->kind == WIRE_SAMPLE_BATCH    ? (void *)&batch
                     : what->kind == WIRE_OUTCOME_BATCH ? (void *)&outcome

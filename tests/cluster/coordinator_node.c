@@ -29,7 +29,7 @@ void coordinator_node_init(struct coordinator_node *node, struct network *networ
 }
 
 static void search_send(struct coordinator_node *node, uint32_t place, uint64_t holder,
-                        const struct schedule_batch *batch, int64_t now_ns)
+                        const struct batch_identity *batch, int64_t now_ns)
 {
     const struct coordinator_search *search = &node->searches[batch->search];
     struct message message = {
@@ -55,7 +55,7 @@ static void search_send(struct coordinator_node *node, uint32_t place, uint64_t 
 static void effect_send(struct coordinator_node *node, const struct schedule_effect *effect,
                         int64_t now_ns)
 {
-    const struct schedule_batch *batch = &effect->send.batch;
+    const struct batch_identity *batch = &effect->send.batch;
     const struct coordinator_search *search = &node->searches[batch->search];
     gpointer place = g_hash_table_lookup(node->places, &effect->send.worker);
     TRACE_CHECK(now_ns, place != NULL);
@@ -72,7 +72,7 @@ static void effect_send(struct coordinator_node *node, const struct schedule_eff
 static void effect_count(struct coordinator_node *node, const struct schedule_effect *effect,
                          const struct verdict *verdicts, int64_t now_ns)
 {
-    const struct schedule_batch *batch = &effect->count.batch;
+    const struct batch_identity *batch = &effect->count.batch;
     struct coordinator_search *search = &node->searches[batch->search];
     TRACE_CHECK(now_ns, verdicts != NULL);
     memcpy(search->verdicts + batch->first, verdicts, batch->count * sizeof *verdicts);
@@ -184,7 +184,7 @@ void coordinator_node_start(struct coordinator_node *node, int64_t now_ns)
     trace_line(now_ns, "coordinator", "starts");
     for (uint32_t i = 0; i < node->search_count; i++) {
         struct coordinator_search *search = &node->searches[i];
-        search->search = search_create(search->scenario, i, search->scenario->search.seed, 1);
+        search->search = search_create(search->scenario, search->scenario->search.seed, 1);
         for (guint step = 0; step < search->journal->len; step++) {
             TRACE_CHECK(now_ns, search_request(search->search, &search->request));
             search_complete(search->search, search->journal->pdata[step]);
@@ -243,7 +243,7 @@ void coordinator_node_fini(struct coordinator_node *node)
 static void node_outcome(struct coordinator_node *node, const struct message *message,
                          int64_t now_ns)
 {
-    const struct schedule_batch *identity = &message->outcome.identity;
+    const struct batch_identity *identity = &message->outcome.identity;
     TRACE_CHECK(now_ns, identity->search < node->search_count);
     const struct coordinator_search *search = &node->searches[identity->search];
     struct verdict *verdicts = NULL;

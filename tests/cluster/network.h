@@ -35,7 +35,7 @@ struct message {
     union {
         struct {
             uint64_t holder;
-            struct schedule_batch identity;
+            struct batch_identity identity;
             struct digest scenario;
             struct digest box;
             struct sampling sampling;
@@ -48,7 +48,7 @@ struct message {
             uint32_t offset; // payload: the piece
         } text;
         struct {
-            struct schedule_batch identity;
+            struct batch_identity identity;
             enum verdict_detail detail;
             uint32_t queue;
             int64_t service_ns; // payload: the packed verdicts

@@ -51,7 +51,7 @@ static void problem_calm(struct problem *problem, uint32_t index)
 {
     const struct scenario *scenario = &problem->scenarios[index];
     struct model *model = model_create(scenario);
-    struct search *search = search_create(scenario, index, scenario->search.seed, 1);
+    struct search *search = search_create(scenario, scenario->search.seed, 1);
     struct search_request request;
     while (search_request(search, &request)) {
         uint32_t count = request.sampling.samples;

@@ -99,11 +99,8 @@ static void node_take_batch(struct worker_node *node, const struct message *mess
         .coordinator = message->sender,
         .scenario = message->batch.scenario,
         .box = message->batch.box,
-        .batch = {.sampling = message->batch.sampling,
-                  .first = message->batch.identity.first,
-                  .count = message->batch.identity.count},
-        .batch_index = message->batch.identity.batch,
-        .attempt = message->batch.identity.attempt,
+        .identity = message->batch.identity,
+        .sampling = message->batch.sampling,
         .detail = message->batch.detail,
         .bounds = message->batch.bound_count > 0 ? bounds : NULL,
         .bound_count = message->batch.bound_count,
@@ -146,7 +143,7 @@ static void node_work(struct worker_node *node, int64_t now_ns)
     node->work_start_ns = now_ns;
     double noise = 0.9 + 0.2 * dice_unit(node->dice);
     double duration_ns =
-        node->overhead_ns + node->sample_ns * node->work.identity.batch.count / node->threads;
+        node->overhead_ns + node->sample_ns * node->work.batch.identity.count / node->threads;
     node->work_end_ns = now_ns + 1 + (int64_t)(duration_ns * node->slowness * noise);
     if (node->work_end_ns < node->stuck_until_ns)
         node->work_end_ns = node->stuck_until_ns;
@@ -155,23 +152,19 @@ static void node_work(struct worker_node *node, int64_t now_ns)
 static void node_finish(struct worker_node *node, int64_t now_ns)
 {
     const struct intake_work *work = &node->work;
-    const struct intake_batch *identity = &work->identity;
-    uint32_t count = identity->batch.count;
+    const struct intake_batch *batch = &work->batch;
+    const struct batch samples = intake_samples(batch);
+    const uint32_t count = batch->identity.count;
     struct verdict *verdicts = g_new(struct verdict, count);
-    batch_evaluate(work->scenario, work->model, work->box, &identity->batch, 1, verdicts);
-    uint8_t *packed = g_malloc(verdict_packed_size_max(count, identity->detail));
-    size_t size = verdict_pack(verdicts, count, identity->detail, packed);
+    batch_evaluate(work->scenario, work->model, work->box, &samples, 1, verdicts);
+    uint8_t *packed = g_malloc(verdict_packed_size_max(count, batch->detail));
+    size_t size = verdict_pack(verdicts, count, batch->detail, packed);
     struct message message = {
         .kind = MESSAGE_OUTCOME,
         .sender = node->sender,
-        .run = identity->run,
-        .outcome = {.identity = {.search = identity->batch.sampling.search,
-                                 .step = identity->batch.sampling.step,
-                                 .batch = identity->batch_index,
-                                 .attempt = identity->attempt,
-                                 .first = identity->batch.first,
-                                 .count = count},
-                    .detail = identity->detail,
+        .run = batch->run,
+        .outcome = {.identity = batch->identity,
+                    .detail = batch->detail,
                     .service_ns = now_ns - node->work_start_ns},
         .payload = packed,
         .payload_size = (uint32_t)size,

@@ -90,7 +90,7 @@ static void give_batch(struct wire *wire, uint64_t sender, uint64_t number)
                                              .sender = (int64_t)sender,
                                              .run = BATCH},
                                   .holder = 1,
-                                  .count = 1,
+                                  .batch.count = 1,
                                   .step_samples = 1};
     give_message(wire, WIRE_SAMPLE_BATCH, &batch, sender, number);
 }

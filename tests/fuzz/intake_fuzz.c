@@ -39,10 +39,11 @@ static void give_batch(struct world *world)
         .coordinator = 1 + fuzz_byte(&world->input) % 4,
         .scenario = any_digest(world),
         .box = any_digest(world),
-        .batch_index = fuzz_byte(&world->input),
-        .batch = {.sampling = {.seed = 1, .step = fuzz_byte(&world->input), .samples = 1 << 20},
-                  .first = fuzz_u16(&world->input),
-                  .count = 1 + fuzz_byte(&world->input)},
+        .identity = {.batch = fuzz_byte(&world->input),
+                     .step = fuzz_byte(&world->input),
+                     .first = fuzz_u16(&world->input),
+                     .count = 1 + fuzz_byte(&world->input)},
+        .sampling = {.seed = 1, .samples = 1 << 20},
         .bound_count = fuzz_byte(&world->input) % (BOUNDS_MAX + 1) & ~1u,
         .bounds = bounds,
     };
@@ -67,8 +68,9 @@ static void give_designs(struct world *world)
         .run = 1,
         .coordinator = 1,
         .scenario = any_digest(world),
-        .batch_index = fuzz_byte(&world->input),
-        .batch = {.first = fuzz_u16(&world->input), .count = count},
+        .identity = {.batch = fuzz_byte(&world->input),
+                     .first = fuzz_u16(&world->input),
+                     .count = count},
         .designs = values,
         .design_value_count = count * each,
     };
@@ -99,10 +101,10 @@ static void take(struct world *world)
     world->taken_count++;
     assert(work->scenario != NULL);
     const uint32_t variables = work->scenario->design_space.count;
-    const struct intake_batch *batch = &work->identity;
+    const struct intake_batch *batch = &work->batch;
     if (work->box == NULL)
         assert(batch->designs != NULL &&
-               batch->design_value_count == batch->batch.count * variables);
+               batch->design_value_count == batch->identity.count * variables);
     else
         assert(batch->designs == NULL && work->box->count == variables);
 }

@@ -213,10 +213,11 @@ static void message_of_nobody(void)
     const struct check_kind *layout = check_kind(kind);
     union codec_message message;
     memset(&message, 0, sizeof message);
-    message.header = (sobox_header_t){.protocol = dice_below(50) == 0 ? 2 : WIRE_PROTOCOL,
-                                      .sequence = (int32_t)dice(),
-                                      .sender = 1 + (int64_t)dice(),
-                                      .run = 1 + (int64_t)dice()};
+    message.header =
+        (sobox_header_t){.protocol = dice_below(50) == 0 ? WIRE_PROTOCOL - 1 : WIRE_PROTOCOL,
+                         .sequence = (int32_t)dice(),
+                         .sender = 1 + (int64_t)dice(),
+                         .run = 1 + (int64_t)dice()};
     size_t at = begin(kind), size = codec_encoded_size(kind, &message);
     codec_encode(kind, &message, packet + at, size);
     size_t extra = layout->unit * dice_below(20);

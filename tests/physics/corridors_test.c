@@ -39,7 +39,7 @@ static void corridors_find(struct corridors *found, const char *response)
     if (status != STATUS_OK)
         fail_msg("%s", error.text);
     struct model *model = model_create(&found->scenario);
-    found->search = search_create(&found->scenario, 0, found->scenario.search.seed, 2);
+    found->search = search_create(&found->scenario, found->scenario.search.seed, 2);
     struct search_request request;
     while (search_request(found->search, &request)) {
         const struct batch batch = {.sampling = request.sampling,

@@ -51,7 +51,7 @@ static struct found find_box(const char *name, const char *target_purity, const 
         fail_msg("%s", error.text);
     g_free(path);
     struct model *model = model_create(&found.scenario);
-    found.search = search_create(&found.scenario, 0, found.scenario.search.seed, 2);
+    found.search = search_create(&found.scenario, found.scenario.search.seed, 2);
     struct search_request request;
     while (search_request(found.search, &request)) {
         const struct batch batch = {.sampling = request.sampling,

@@ -80,8 +80,7 @@ static void feed_integrator(struct digest_state *state, const char *integrator)
         abort();
     }
     struct model *model = model_create(&scenario);
-    struct sampling sampling = {
-        .seed = UINT64_C(0x50B0C0DE5EED), .search = 1, .step = 2, .samples = 4096};
+    struct sampling sampling = {.seed = UINT64_C(0x50B0C0DE5EED), .step = 2, .samples = 4096};
     static const enum sampling_method method[] = {SAMPLING_METHOD_UNIFORM,
                                                   SAMPLING_METHOD_LATIN_HYPERCUBE};
     for (size_t i = 0; i < sizeof method / sizeof method[0]; i++) {

@@ -28,28 +28,35 @@ struct intake {
     size_t design_size; // of all batches [bytes]
 };
 
+struct batch intake_samples(const struct intake_batch *batch)
+{
+    return (struct batch){.sampling = batch->sampling,
+                          .first = batch->identity.first,
+                          .count = batch->identity.count};
+}
+
 // FNV-1a over the words that name a batch.
 static guint identity_hash(gconstpointer key)
 {
     const struct intake_batch *batch = &((const struct queued *)key)->batch;
-    const uint64_t words[] = {batch->coordinator,           batch->run,
-                              batch->batch.sampling.search, batch->batch.sampling.step,
-                              batch->batch_index,           batch->batch.first};
+    const struct batch_identity *identity = &batch->identity;
+    const uint64_t words[] = {batch->coordinator, batch->run,      identity->search,
+                              identity->step,     identity->batch, identity->first};
     uint64_t hash = UINT64_C(14695981039346656037);
     for (size_t i = 0; i < G_N_ELEMENTS(words); i++)
         hash = (hash ^ words[i]) * UINT64_C(1099511628211);
     return (guint)(hash >> 32);
 }
 
+// An attempt more is the same batch.
 static gboolean identity_same(gconstpointer left, gconstpointer right)
 {
     const struct intake_batch *a = &((const struct queued *)left)->batch;
     const struct intake_batch *b = &((const struct queued *)right)->batch;
     return a->coordinator == b->coordinator && a->run == b->run &&
-           a->batch.sampling.search == b->batch.sampling.search &&
-           a->batch.sampling.step == b->batch.sampling.step && a->batch_index == b->batch_index &&
-           a->batch.first == b->batch.first && a->batch.count == b->batch.count &&
-           (a->designs == NULL) == (b->designs == NULL) &&
+           a->identity.search == b->identity.search && a->identity.step == b->identity.step &&
+           a->identity.batch == b->identity.batch && a->identity.first == b->identity.first &&
+           a->identity.count == b->identity.count && (a->designs == NULL) == (b->designs == NULL) &&
            digest_equal(&a->scenario, &b->scenario) && digest_equal(&a->box, &b->box);
 }
 
@@ -96,7 +103,7 @@ static enum status queued_check(const struct queued *queued, struct error *error
 {
     uint32_t wanted = queued->scenario->scenario.design_space.count;
     if (queued->box == NULL) {
-        const uint32_t each = queued->batch.design_value_count / queued->batch.batch.count;
+        const uint32_t each = queued->batch.design_value_count / queued->batch.identity.count;
         if (each != wanted)
             return error_set(error, STATUS_INVALID, "designs of %u variables, the scenario has %u",
                              each, wanted);
@@ -197,9 +204,9 @@ static enum status designs_check(const struct intake *intake, const struct intak
                                  struct error *error)
 {
     const uint32_t count = batch->design_value_count;
-    if (count == 0 || count % batch->batch.count != 0)
+    if (count == 0 || count % batch->identity.count != 0)
         return error_set(error, STATUS_INVALID, "%u values are not those of %u designs", count,
-                         batch->batch.count);
+                         batch->identity.count);
     for (uint32_t i = 0; i < count; i++)
         if (!isfinite(batch->designs[i]))
             return error_set(error, STATUS_INVALID, "a design has a value that is not finite");
@@ -215,7 +222,8 @@ enum status intake_batch(struct intake *intake, const struct intake_batch *batch
     const struct queued identity = {.batch = *batch};
     struct queued *queued = g_hash_table_lookup(intake->batches, &identity);
     if (queued != NULL) {
-        queued->batch.attempt = MAX(queued->batch.attempt, batch->attempt);
+        queued->batch.identity.attempt =
+            MAX(queued->batch.identity.attempt, batch->identity.attempt);
         return STATUS_OK;
     }
     if (g_hash_table_size(intake->batches) >= INTAKE_QUEUE_MAX)
@@ -334,7 +342,7 @@ bool intake_take(struct intake *intake, struct intake_work *work)
     struct queued *queued = (struct queued *)((char *)turn - offsetof(struct queued, turn));
     queued->taken = true;
     *work = (struct intake_work){
-        .identity = queued->batch,
+        .batch = queued->batch,
         .scenario = &queued->scenario->scenario,
         .model = queued->scenario->model,
         .box = queued->box != NULL ? &queued->box->box : NULL,
@@ -344,7 +352,7 @@ bool intake_take(struct intake *intake, struct intake_work *work)
 
 void intake_done(struct intake *intake, const struct intake_work *work)
 {
-    const struct queued identity = {.batch = work->identity};
+    const struct queued identity = {.batch = work->batch};
     struct queued *queued = g_hash_table_lookup(intake->batches, &identity);
     assert(queued != NULL);
     assert(queued->taken);

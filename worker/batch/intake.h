@@ -19,6 +19,7 @@
 
 #include "common/base/error.h"
 #include "common/numeric/digest.h"
+#include "common/protocol/protocol.h"
 #include "worker/batch/batch.h"
 
 #include <stdbool.h>
@@ -48,27 +49,29 @@ enum {
 struct intake_batch {
     uint64_t run;
     uint64_t coordinator; // sender to answer
+    struct batch_identity identity;
     struct digest scenario;
     struct digest box;
-    struct batch batch;
-    uint32_t batch_index;
-    uint32_t attempt;
+    struct sampling sampling; // of the whole step
     enum verdict_detail detail;
     const double *bounds; // (bound_count) lower then upper; borrowed
     uint32_t bound_count; // 0: the box comes by request
-    // Of a batch of given designs: batch.count x variables. It has no box, no bounds, no sampling
-    // but search and step, and no detail. NULL: the batch is one of samples. Borrowed.
+    // Of a batch of given designs: identity.count x variables. It has no box, no bounds, no
+    // sampling, and no detail. NULL: the batch is one of samples. Borrowed.
     const double *designs;
     uint32_t design_value_count;
 };
 
 // A batch ready to be evaluated. Pointers, also those to designs, are borrowed until intake_done().
 struct intake_work {
-    struct intake_batch identity; // bounds NULL
+    struct intake_batch batch; // bounds NULL
     const struct scenario *scenario;
     const struct model *model;
-    const struct box *box; // NULL: identity.designs are to be evaluated
+    const struct box *box; // NULL: batch.designs are to be evaluated
 };
+
+// The samples that a batch of samples asks for.
+struct batch intake_samples(const struct intake_batch *batch);
 
 // A request for a text, to be published now.
 struct intake_request {

@@ -96,7 +96,7 @@ static uint32_t claim_count(const struct engine *engine, uint32_t left)
 static void claim_take(struct engine *engine, struct claim *claim)
 {
     struct engine_job *job = g_queue_peek_head(&engine->jobs);
-    const uint32_t left = job->work.identity.batch.count - job->claimed;
+    const uint32_t left = job->work.batch.identity.count - job->claimed;
     *claim = (struct claim){.job = job, .begin = job->claimed, .count = claim_count(engine, left)};
     job->claimed += claim->count;
     engine->waiting -= claim->count;
@@ -113,15 +113,15 @@ static bool claim_settle(struct engine *engine, const struct claim *claim)
     job->busy_ns += claim->busy_ns;
     const double sample_ns = (double)MAX(claim->busy_ns, 1) / claim->count;
     engine->sample_ns += (sample_ns - engine->sample_ns) / (engine->sample_ns > 0 ? 8 : 1);
-    return job->done == job->work.identity.batch.count;
+    return job->done == job->work.batch.identity.count;
 }
 
 // Puts the result into the form in which it travels.
 static void finish(const struct engine *engine, struct engine_job *job)
 {
     if (job->verdicts != NULL) {
-        const uint32_t count = job->work.identity.batch.count;
-        const enum verdict_detail detail = job->work.identity.detail;
+        const uint32_t count = job->work.batch.identity.count;
+        const enum verdict_detail detail = job->work.batch.detail;
         const int64_t start_ns = clock_monotonic_ns();
         job->packed = g_malloc(verdict_packed_size_max(count, detail));
         job->packed_size = verdict_pack(job->verdicts, count, detail, job->packed);
@@ -178,9 +178,10 @@ static bool claim_next(struct engine *engine, struct claim *claim)
 static void evaluate_samples(struct claim *claim, struct batch_scratch *scratch)
 {
     const struct intake_work *work = &claim->job->work;
+    const struct batch samples = intake_samples(&work->batch);
     claim->non_finite =
-        batch_evaluate_part(work->scenario, work->model, work->box, &work->identity.batch,
-                            claim->begin, claim->count, scratch, claim->job->verdicts);
+        batch_evaluate_part(work->scenario, work->model, work->box, &samples, claim->begin,
+                            claim->count, scratch, claim->job->verdicts);
 }
 
 static void evaluate_designs(const struct claim *claim, struct batch_scratch *scratch)
@@ -188,14 +189,14 @@ static void evaluate_designs(const struct claim *claim, struct batch_scratch *sc
     const struct intake_work *work = &claim->job->work;
     const size_t variables = model_variable_count(work->model);
     const size_t outcomes = model_outcome_count(work->model);
-    batch_evaluate_designs(work->model, work->identity.designs + claim->begin * variables,
+    batch_evaluate_designs(work->model, work->batch.designs + claim->begin * variables,
                            claim->count, scratch, claim->job->outcomes + claim->begin * outcomes);
 }
 
 static void claim_evaluate(struct claim *claim, struct batch_scratch *scratch)
 {
     const int64_t start_ns = clock_monotonic_ns();
-    if (claim->job->work.identity.designs != NULL)
+    if (claim->job->work.batch.designs != NULL)
         evaluate_designs(claim, scratch);
     else
         evaluate_samples(claim, scratch);
@@ -294,8 +295,8 @@ void engine_free(struct engine *engine)
 
 void engine_submit(struct engine *engine, struct engine_job *job)
 {
-    const uint32_t count = job->work.identity.batch.count;
-    if (job->work.identity.designs != NULL) {
+    const uint32_t count = job->work.batch.identity.count;
+    if (job->work.batch.designs != NULL) {
         job->outcome_count = (size_t)count * model_outcome_count(job->work.model);
         job->outcomes = g_new(double, job->outcome_count);
     } else {

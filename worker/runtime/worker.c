@@ -4,15 +4,8 @@
 #include "common/base/log.h"
 #include "common/base/watch.h"
 #include "common/protocol/protocol.h"
+#include "common/wire/codec.h"
 #include "common/wire/source.h"
-#include "sobox_design_batch_t.h"
-#include "sobox_outcome_batch_t.h"
-#include "sobox_run_status_t.h"
-#include "sobox_sample_batch_t.h"
-#include "sobox_text_request_t.h"
-#include "sobox_text_t.h"
-#include "sobox_value_batch_t.h"
-#include "sobox_worker_status_t.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/batch/intake.h"
 #include "worker/runtime/engine.h"
@@ -218,15 +211,10 @@ static void note_unsent(struct worker *worker, enum wire_kind kind, size_t size)
 
 static void publish_values(struct worker *worker, const struct engine_job *job)
 {
-    const struct intake_batch *identity = &job->work.identity;
+    const struct intake_batch *batch = &job->work.batch;
     sobox_value_batch_t message = {
-        .header.run = (int64_t)identity->run,
-        .search = (int32_t)identity->batch.sampling.search,
-        .step = (int32_t)identity->batch.sampling.step,
-        .batch = (int32_t)identity->batch_index,
-        .attempt = (int32_t)identity->attempt,
-        .first = (int32_t)identity->batch.first,
-        .count = (int32_t)identity->batch.count,
+        .header.run = (int64_t)batch->run,
+        .batch = codec_batch(&batch->identity),
         .queue = (int32_t)intake_queue(worker->intake),
         .service_ns = job->service_ns,
         .value_count = (int32_t)job->outcome_count,
@@ -238,16 +226,11 @@ static void publish_values(struct worker *worker, const struct engine_job *job)
 
 static void publish_outcome(struct worker *worker, const struct engine_job *job)
 {
-    const struct intake_batch *identity = &job->work.identity;
+    const struct intake_batch *batch = &job->work.batch;
     sobox_outcome_batch_t message = {
-        .header.run = (int64_t)identity->run,
-        .search = (int32_t)identity->batch.sampling.search,
-        .step = (int32_t)identity->batch.sampling.step,
-        .batch = (int32_t)identity->batch_index,
-        .attempt = (int32_t)identity->attempt,
-        .first = (int32_t)identity->batch.first,
-        .count = (int32_t)identity->batch.count,
-        .detail = (int8_t)identity->detail,
+        .header.run = (int64_t)batch->run,
+        .batch = codec_batch(&batch->identity),
+        .detail = (int8_t)batch->detail,
         .non_finite = (int32_t)job->non_finite,
         .queue = (int32_t)intake_queue(worker->intake),
         .service_ns = job->service_ns,
@@ -263,7 +246,7 @@ static void collect_results(struct worker *worker)
     struct engine_job *job;
     while ((job = engine_collect(worker->engine)) != NULL) {
         worker->batches++;
-        worker->samples += job->work.identity.batch.count;
+        worker->samples += job->work.batch.identity.count;
         worker->busy_ns += job->service_ns;
         intake_done(worker->intake, &job->work);
         if (job->outcomes != NULL)
@@ -315,21 +298,14 @@ static void on_sample_batch(void *user, enum wire_kind kind, const void *receive
     struct intake_batch batch = {
         .run = (uint64_t)message->header.run,
         .coordinator = (uint64_t)message->header.sender,
-        .batch =
+        .identity = codec_identity(&message->batch),
+        .sampling =
             {
-                .sampling =
-                    {
-                        .seed = (uint64_t)message->seed,
-                        .search = (uint32_t)message->search,
-                        .step = (uint32_t)message->step,
-                        .samples = (uint32_t)message->step_samples,
-                        .method = (enum sampling_method)message->sampling,
-                    },
-                .first = (uint32_t)message->first,
-                .count = (uint32_t)message->count,
+                .seed = (uint64_t)message->seed,
+                .step = (uint32_t)message->batch.step,
+                .samples = (uint32_t)message->step_samples,
+                .method = (enum sampling_method)message->sampling,
             },
-        .batch_index = (uint32_t)message->batch,
-        .attempt = (uint32_t)message->attempt,
         .detail = (enum verdict_detail)message->detail,
         .bounds = message->bounds,
         .bound_count = (uint32_t)message->bound_count,
@@ -349,18 +325,7 @@ static void on_design_batch(void *user, enum wire_kind kind, const void *receive
     struct intake_batch batch = {
         .run = (uint64_t)message->header.run,
         .coordinator = (uint64_t)message->header.sender,
-        .batch =
-            {
-                .sampling =
-                    {
-                        .search = (uint32_t)message->search,
-                        .step = (uint32_t)message->step,
-                    },
-                .first = (uint32_t)message->first,
-                .count = (uint32_t)message->count,
-            },
-        .batch_index = (uint32_t)message->batch,
-        .attempt = (uint32_t)message->attempt,
+        .identity = codec_identity(&message->batch),
         .designs = message->values,
         .design_value_count = (uint32_t)message->value_count,
     };

@@ -14,7 +14,6 @@
 
 struct sampling {
     uint64_t seed;
-    uint32_t search;  // index of the search in its run: names the step, changes no sample
     uint32_t step;    // of the search, over all phases
     uint32_t samples; // of the whole step: a Latin hypercube has that many strata
     enum sampling_method method;

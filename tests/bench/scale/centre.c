@@ -126,7 +126,7 @@ static void trim_end(struct centre *centre, struct centre_search *search, int64_
 
 // ---- The loop ----
 
-static void send_batch(struct centre *centre, uint64_t worker, const struct schedule_batch *batch)
+static void send_batch(struct centre *centre, uint64_t worker, const struct batch_identity *batch)
 {
     loop_work(centre, centre->costs->send_ns);
     const struct message message = {
@@ -203,8 +203,7 @@ static void do_opening(struct centre *centre)
     loop_work(centre, centre->costs->open_ns);
     opening_open(&centre->opening, centre->scenario);
     search->trim.tie = index_of(centre, search);
-    search->search =
-        search_create(centre->scenario, index_of(centre, search), 1 + index_of(centre, search), 1);
+    search->search = search_create(centre->scenario, 1 + index_of(centre, search), 1);
     go_on(centre, search);
 }
 

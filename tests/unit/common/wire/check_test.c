@@ -186,26 +186,26 @@ static void fields_out_of_range_are_rejected(void **state)
         REFUSED(kind, header, sender, 0);
 #define BATCH(field, value) REFUSED(WIRE_SAMPLE_BATCH, sample_batch, field, value)
     BATCH(holder, 0);
-    BATCH(search, -1);
-    BATCH(step, -1);
-    BATCH(batch, INT32_MIN);
-    BATCH(attempt, -1);
-    BATCH(first, -1);
-    BATCH(first, 151);
-    BATCH(first, INT32_MAX);
-    BATCH(count, 0);
-    BATCH(count, 65537);
+    BATCH(batch.search, -1);
+    BATCH(batch.step, -1);
+    BATCH(batch.batch, INT32_MIN);
+    BATCH(batch.attempt, -1);
+    BATCH(batch.first, -1);
+    BATCH(batch.first, 151);
+    BATCH(batch.first, INT32_MAX);
+    BATCH(batch.count, 0);
+    BATCH(batch.count, 65537);
     BATCH(step_samples, 149);
     BATCH(sampling, 3);
     BATCH(sampling, -1);
     BATCH(detail, 2);
 #define OUTCOME(field, value) REFUSED(WIRE_OUTCOME_BATCH, outcome_batch, field, value)
-    OUTCOME(search, -1);
-    OUTCOME(first, -1);
-    OUTCOME(count, 0);
-    OUTCOME(count, 65537);
-    OUTCOME(count, 7);   // 25 bytes are more than 7 verdicts pack into
-    OUTCOME(count, 201); // 25 bytes hold the bits of 200
+    OUTCOME(batch.search, -1);
+    OUTCOME(batch.first, -1);
+    OUTCOME(batch.count, 0);
+    OUTCOME(batch.count, 65537);
+    OUTCOME(batch.count, 7);   // 25 bytes are more than 7 verdicts pack into
+    OUTCOME(batch.count, 201); // 25 bytes hold the bits of 200
     OUTCOME(detail, -1);
     OUTCOME(non_finite, 51);
     OUTCOME(non_finite, -1);
@@ -277,17 +277,17 @@ static void fields_out_of_range_are_rejected(void **state)
     CASES(columns, 66);
 #define DESIGNS(field, value) REFUSED(WIRE_DESIGN_BATCH, design_batch, field, value)
     DESIGNS(holder, 0);
-    DESIGNS(search, -1);
-    DESIGNS(first, -1);
-    DESIGNS(count, 0);
-    DESIGNS(count, -3);
-    DESIGNS(count, 4); // 6 values are not those of 4 designs
-    DESIGNS(count, 7); // nor of 7
+    DESIGNS(batch.search, -1);
+    DESIGNS(batch.first, -1);
+    DESIGNS(batch.count, 0);
+    DESIGNS(batch.count, -3);
+    DESIGNS(batch.count, 4); // 6 values are not those of 4 designs
+    DESIGNS(batch.count, 7); // nor of 7
 #define VALUES(field, value) REFUSED(WIRE_VALUE_BATCH, value_batch, field, value)
-    VALUES(attempt, -1);
-    VALUES(count, 0);
-    VALUES(count, 65537);
-    VALUES(count, 4);
+    VALUES(batch.attempt, -1);
+    VALUES(batch.count, 0);
+    VALUES(batch.count, 65537);
+    VALUES(batch.count, 4);
     VALUES(queue, -1);
     VALUES(service_ns, -1);
     REFUSED(WIRE_HAIL, hail, age_ns, -1);

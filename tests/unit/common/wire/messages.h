@@ -34,12 +34,7 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
     case WIRE_SAMPLE_BATCH:
         message->sample_batch = (sobox_sample_batch_t){.holder = 9,
                                                        .seed = -1,
-                                                       .search = 2,
-                                                       .step = 3,
-                                                       .batch = 4,
-                                                       .attempt = 1,
-                                                       .first = 100,
-                                                       .count = 50,
+                                                       .batch = {2, 3, 4, 1, 100, 50},
                                                        .step_samples = 200,
                                                        .sampling = 2,
                                                        .detail = 1,
@@ -53,11 +48,7 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
                                        .piece = message_bytes};
         break;
     case WIRE_OUTCOME_BATCH:
-        message->outcome_batch = (sobox_outcome_batch_t){.search = 2,
-                                                         .step = 3,
-                                                         .batch = 4,
-                                                         .first = 100,
-                                                         .count = 50,
+        message->outcome_batch = (sobox_outcome_batch_t){.batch = {2, 3, 4, 0, 100, 50},
                                                          .detail = 0,
                                                          .non_finite = 50,
                                                          .queue = 3,
@@ -120,20 +111,12 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
         break;
     case WIRE_DESIGN_BATCH:
         message->design_batch = (sobox_design_batch_t){.holder = 9,
-                                                       .search = 2,
-                                                       .step = 3,
-                                                       .batch = 4,
-                                                       .first = 100,
-                                                       .count = 3,
+                                                       .batch = {2, 3, 4, 0, 100, 3},
                                                        .value_count = MESSAGE_BOUND_COUNT,
                                                        .values = message_bounds};
         break;
     case WIRE_VALUE_BATCH:
-        message->value_batch = (sobox_value_batch_t){.search = 2,
-                                                     .step = 3,
-                                                     .batch = 4,
-                                                     .first = 100,
-                                                     .count = 2,
+        message->value_batch = (sobox_value_batch_t){.batch = {2, 3, 4, 0, 100, 2},
                                                      .queue = 3,
                                                      .service_ns = 123456789,
                                                      .value_count = MESSAGE_BOUND_COUNT,

@@ -76,7 +76,7 @@ static void run(const char *folder, const char *more, bool hopeless, int steps_l
     const struct journal_run head = {.name = "sections", .version = "1.2.3", .search_count = 1};
     struct journal *journal;
     assert_int_equal(journal_create(&journal, folder, &head, &record, NULL), STATUS_OK);
-    struct search *search = search_create(&scenario, 0, 7, 1);
+    struct search *search = search_create(&scenario, 7, 1);
     struct search_request request;
     struct verdict *verdicts = g_new(struct verdict, 5000);
     while (search_request(search, &request)) {

@@ -72,7 +72,7 @@ static void start(struct fixture *fixture)
         fail_msg("%s", error.text);
     for (uint32_t i = 0; i < SEARCHES; i++) {
         fixture->searches[i].index = i;
-        fixture->searches[i].search = search_create(&fixture->scenario, i, 1 + i, 1);
+        fixture->searches[i].search = search_create(&fixture->scenario, 1 + i, 1);
         fixture->searches[i].verdicts = g_new0(struct verdict, SAMPLES);
     }
 }

@@ -17,7 +17,7 @@ enum { SENT_MAX = 65536 };
 
 struct sent {
     uint64_t worker;
-    struct schedule_batch batch;
+    struct batch_identity batch;
     int64_t at_ns;
 };
 
@@ -141,7 +141,7 @@ static void want(uint32_t search, uint32_t step, uint32_t samples, double sample
     });
 }
 
-static void answer_from(uint64_t worker, struct schedule_batch batch, int64_t service_ns)
+static void answer_from(uint64_t worker, struct batch_identity batch, int64_t service_ns)
 {
     happen((struct schedule_event){
         .kind = SCHEDULE_EVENT_OUTCOME,
@@ -182,7 +182,7 @@ static void assert_noted(const char *line)
         fail_msg("\"%s\" is not among the notes:\n%s", line, desk.notes);
 }
 
-static void assert_same_batch(struct schedule_batch a, struct schedule_batch b)
+static void assert_same_batch(struct batch_identity a, struct batch_identity b)
 {
     assert_int_equal(a.search, b.search);
     assert_int_equal(a.step, b.step);
@@ -253,7 +253,7 @@ static void batches_cover_the_step_once(void **state)
     want(0, 0, sizeof covered, 1000);
     answer_all(MS / 10, MS / 20);
     for (size_t i = 0; i < desk.sent_count; i++) {
-        struct schedule_batch batch = desk.sent[i].batch;
+        struct batch_identity batch = desk.sent[i].batch;
         assert_in_range(batch.count, 1, desk.settings.batch_samples_max);
         for (uint32_t s = 0; s < batch.count; s++)
             covered[batch.first + s]++;
@@ -550,8 +550,8 @@ static void foreign_outcomes_are_ignored(void **state)
     (void)state;
     announce(1);
     want(5, 2, 64, 0);
-    struct schedule_batch good = desk.sent[0].batch;
-    struct schedule_batch bad[] = {good, good, good, good, good, good};
+    struct batch_identity good = desk.sent[0].batch;
+    struct batch_identity bad[] = {good, good, good, good, good, good};
     bad[0].search++;
     bad[1].step++;
     bad[2].batch++;
@@ -1210,7 +1210,7 @@ static void ten_thousand_searches_over_a_thousand_workers(void **state)
 static void assert_counts(uint32_t least, uint32_t most)
 {
     for (size_t i = 0; i < desk.sent_count; i++) {
-        const struct schedule_batch *batch = &desk.sent[i].batch;
+        const struct batch_identity *batch = &desk.sent[i].batch;
         const bool last = i + 1 == desk.sent_count || desk.sent[i + 1].batch.step != batch->step ||
                           desk.sent[i + 1].batch.search != batch->search;
         if (!last)

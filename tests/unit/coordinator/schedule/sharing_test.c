@@ -24,7 +24,7 @@ enum {
 // A batch at a worker, or on its way to it or back.
 struct job {
     struct turn turn; // its coordinator is the index of that
-    struct schedule_batch batch;
+    struct batch_identity batch;
     uint32_t worker;
     int64_t service_ns;
 };
@@ -92,7 +92,7 @@ static void coordinator_next_step(struct site *site, uint32_t index)
 }
 
 static void coordinator_send(struct site *site, uint32_t index, uint64_t worker,
-                             const struct schedule_batch *batch)
+                             const struct batch_identity *batch)
 {
     struct job *job = g_new0(struct job, 1);
     job->turn.coordinator = index;

@@ -173,7 +173,7 @@ static struct outcome_of_search run(const struct setting *setting, uint64_t seed
 {
     struct scenario scenario = scenario_of(setting);
     struct outcome_of_search outcome = {0};
-    struct search *search = search_create(&scenario, 3, seed, setting->threads);
+    struct search *search = search_create(&scenario, seed, setting->threads);
     GPtrArray *journal = g_ptr_array_new_with_free_func(g_free);
     struct search_request request;
     while (search_request(search, &request)) {
@@ -186,7 +186,7 @@ static struct outcome_of_search run(const struct setting *setting, uint64_t seed
         if (setting->replay &&
             journal->len == (setting->replay_at > 0 ? setting->replay_at : setting->steps)) {
             search_free(search);
-            search = search_create(&scenario, 3, seed, setting->threads);
+            search = search_create(&scenario, seed, setting->threads);
             for (guint i = 0; i < journal->len; i++) {
                 assert_true(search_request(search, &request));
                 search_complete(search, g_ptr_array_index(journal, i));
@@ -632,7 +632,7 @@ static void asking_twice_changes_nothing(void **state)
     setting.problem = hypersphere;
     setting.steps = 10;
     struct scenario scenario = scenario_of(&setting);
-    struct search *search = search_create(&scenario, 0, 1, 1);
+    struct search *search = search_create(&scenario, 1, 1);
     struct search_request request;
     enum search_phase phase = SEARCH_PHASE_SEEK;
     struct verdict *verdicts = g_new(struct verdict, 10000);

@@ -168,7 +168,7 @@ static void block_is_judged_as_its_designs_are(void **state)
 static struct batch batch_of(uint32_t first, uint32_t count)
 {
     return (struct batch){
-        .sampling = {.seed = 9, .search = 2, .step = 5, .samples = SAMPLES},
+        .sampling = {.seed = 9, .step = 5, .samples = SAMPLES},
         .first = first,
         .count = count,
     };

@@ -82,10 +82,8 @@ static struct intake_batch batch_of(uint32_t index)
         .coordinator = 11,
         .scenario = scenario.digest,
         .box = box.digest,
-        .batch = {.sampling = {.seed = 1, .step = 3, .samples = 1000},
-                  .first = index * 10,
-                  .count = 10},
-        .batch_index = index,
+        .identity = {.step = 3, .batch = index, .first = index * 10, .count = 10},
+        .sampling = {.seed = 1, .step = 3, .samples = 1000},
     };
 }
 
@@ -100,7 +98,7 @@ static struct intake_batch batch_with_bounds(uint32_t index)
 static struct intake_batch designs_of(uint32_t index, const double *designs, uint32_t value_count)
 {
     struct intake_batch batch = batch_of(index);
-    batch.batch.count = 2;
+    batch.identity.count = 2;
     batch.designs = designs;
     batch.design_value_count = value_count;
     return batch;
@@ -154,8 +152,8 @@ static void assert_takes(struct intake *intake, uint32_t index)
 {
     struct intake_work work;
     assert_true(intake_take(intake, &work));
-    assert_int_equal(work.identity.batch_index, index);
-    assert_null(work.identity.bounds);
+    assert_int_equal(work.batch.identity.batch, index);
+    assert_null(work.batch.bounds);
     assert_int_equal(work.scenario->design_space.count, BOUND_COUNT / 2);
     assert_int_equal(model_variable_count(work.model), BOUND_COUNT / 2);
     assert_memory_equal(work.box->lower, bounds, sizeof bounds / 2);
@@ -208,9 +206,9 @@ static void given_designs_wait_for_the_scenario_alone(void **state)
     struct intake_work work;
     assert_true(intake_take(intake, &work));
     assert_null(work.box);
-    assert_int_equal(work.identity.design_value_count, 8);
+    assert_int_equal(work.batch.design_value_count, 8);
     for (int i = 0; i < 8; i++)
-        assert_true(work.identity.designs[i] == i + 1);
+        assert_true(work.batch.designs[i] == i + 1);
     intake_done(intake, &work);
     assert_int_equal(intake_queue(intake), 0);
 }
@@ -289,7 +287,7 @@ static void oldest_ready_batch_is_taken_first(void **state)
     assert_fed(intake, &other);
     struct intake_work work;
     assert_true(intake_take(intake, &work));
-    assert_int_equal(work.identity.batch_index, 0);
+    assert_int_equal(work.batch.identity.batch, 0);
     assert_true(work.box->upper[3] == 1e5);
     assert_takes(intake, 1);
     intake_done(intake, &work);
@@ -301,13 +299,13 @@ static void waiting_batch_is_not_queued_twice(void **state)
     struct intake *intake = *state;
     struct intake_batch batch = batch_with_bounds(0);
     assert_taken_in(intake, batch);
-    batch.attempt = 2;
+    batch.identity.attempt = 2;
     assert_taken_in(intake, batch);
     assert_int_equal(intake_queue(intake), 1);
     assert_fed(intake, &scenario);
     struct intake_work work;
     assert_true(intake_take(intake, &work));
-    assert_int_equal(work.identity.attempt, 2);
+    assert_int_equal(work.batch.identity.attempt, 2);
     assert_taken_in(intake, batch);
     assert_takes_nothing(intake);
     intake_done(intake, &work);
@@ -341,7 +339,7 @@ static void coordinators_are_served_in_turn(void **state)
     assert_fed(intake, &scenario);
     assert_takes(intake, 0);
     assert_true(intake_take(intake, &work));
-    assert_int_equal(work.identity.coordinator, 12);
+    assert_int_equal(work.batch.coordinator, 12);
     intake_done(intake, &work);
     for (uint32_t i = 1; i < 8; i++)
         assert_takes(intake, i);

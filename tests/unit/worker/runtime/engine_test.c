@@ -87,28 +87,29 @@ static struct engine_job *make_job(const struct bench *bench, uint32_t index)
     const int which = index % 3 == 0;
     struct engine_job *job = g_new0(struct engine_job, 1);
     job->work = (struct intake_work){
-        .identity = {.batch = {.sampling = {.seed = 5, .step = 2, .samples = 1 << 20},
+        .batch = {.identity = {.step = 2,
+                               .batch = index,
                                .first = index * 1000,
                                .count = counts[index % G_N_ELEMENTS(counts)]},
-                     .batch_index = index,
-                     .detail = index % 5 == 0 ? VERDICT_DETAIL_SHARE : VERDICT_DETAIL_FULL},
+                  .sampling = {.seed = 5, .step = 2, .samples = 1 << 20},
+                  .detail = index % 5 == 0 ? VERDICT_DETAIL_SHARE : VERDICT_DETAIL_FULL},
         .scenario = &bench->scenarios[which],
         .model = bench->models[which],
         .box = &bench->scenarios[which].design_space,
     };
     if (index % 7 == 3)
-        job->work.identity.designs = bench->designs;
+        job->work.batch.designs = bench->designs;
     return job;
 }
 
 static void assert_outcomes_right(const struct engine_job *job)
 {
     const struct model *model = job->work.model;
-    const uint32_t count = job->work.identity.batch.count;
+    const uint32_t count = job->work.batch.identity.count;
     const size_t outcome_count = (size_t)count * model_outcome_count(model);
     double *outcomes = g_new(double, outcome_count);
     struct batch_scratch scratch = {0};
-    batch_evaluate_designs(model, job->work.identity.designs, count, &scratch, outcomes);
+    batch_evaluate_designs(model, job->work.batch.designs, count, &scratch, outcomes);
     batch_scratch_fini(&scratch);
     assert_int_equal(job->outcome_count, outcome_count);
     assert_memory_equal(job->outcomes, outcomes, outcome_count * sizeof(double));
@@ -117,17 +118,17 @@ static void assert_outcomes_right(const struct engine_job *job)
 
 static void assert_job_right(const struct engine_job *job)
 {
-    if (job->work.identity.designs != NULL) {
+    if (job->work.batch.designs != NULL) {
         assert_outcomes_right(job);
         return;
     }
     const struct intake_work *work = &job->work;
-    const struct batch *batch = &work->identity.batch;
-    struct verdict *verdicts = g_new(struct verdict, batch->count);
+    const struct batch batch = intake_samples(&work->batch);
+    struct verdict *verdicts = g_new(struct verdict, batch.count);
     const uint32_t non_finite =
-        batch_evaluate(work->scenario, work->model, work->box, batch, 1, verdicts);
-    uint8_t *packed = g_malloc(verdict_packed_size_max(batch->count, work->identity.detail));
-    const size_t size = verdict_pack(verdicts, batch->count, work->identity.detail, packed);
+        batch_evaluate(work->scenario, work->model, work->box, &batch, 1, verdicts);
+    uint8_t *packed = g_malloc(verdict_packed_size_max(batch.count, work->batch.detail));
+    const size_t size = verdict_pack(verdicts, batch.count, work->batch.detail, packed);
     assert_int_equal(job->non_finite, non_finite);
     assert_int_equal(job->packed_size, size);
     assert_memory_equal(job->packed, packed, size);
@@ -155,8 +156,8 @@ static void assert_jobs_right(struct bench *bench, uint32_t count, uint32_t wind
         while (submitted < count && submitted - collected < window)
             engine_submit(bench->engine, make_job(bench, submitted++));
         struct engine_job *job = wait_for_result(bench->engine);
-        assert_false(seen[job->work.identity.batch_index]);
-        seen[job->work.identity.batch_index] = true;
+        assert_false(seen[job->work.batch.identity.batch]);
+        seen[job->work.batch.identity.batch] = true;
         assert_job_right(job);
         engine_job_free(job);
     }

@@ -65,7 +65,7 @@ struct coordinator {
 static struct batch batch_of(uint32_t index)
 {
     return (struct batch){
-        .sampling = {.seed = 3, .search = 1, .step = 4, .samples = BATCHES * COUNT},
+        .sampling = {.seed = 3, .step = 4, .samples = BATCHES * COUNT},
         .first = index * COUNT,
         .count = COUNT,
     };
@@ -79,11 +79,11 @@ static void send_batch_to(struct coordinator *coordinator, uint32_t index, bool 
         .header.run = RUN,
         .holder = holder,
         .seed = (int64_t)batch.sampling.seed,
-        .search = (int32_t)batch.sampling.search,
-        .step = (int32_t)batch.sampling.step,
-        .batch = (int32_t)index,
-        .first = (int32_t)batch.first,
-        .count = (int32_t)batch.count,
+        .batch = {.search = 1,
+                  .step = (int32_t)batch.sampling.step,
+                  .batch = (int32_t)index,
+                  .first = (int32_t)batch.first,
+                  .count = (int32_t)batch.count},
         .step_samples = (int32_t)batch.sampling.samples,
         .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
@@ -150,14 +150,14 @@ static void on_status(void *user, enum wire_kind kind, const void *received)
 static bool outcome_right(const struct coordinator *coordinator,
                           const sobox_outcome_batch_t *outcome)
 {
-    struct batch batch = batch_of((uint32_t)outcome->batch);
+    struct batch batch = batch_of((uint32_t)outcome->batch.batch);
     struct verdict expected[COUNT], found[COUNT];
     struct model *model = model_create(&coordinator->scenario);
     uint32_t non_finite = batch_evaluate(&coordinator->scenario, model,
                                          &coordinator->scenario.design_space, &batch, 1, expected);
     model_free(model);
-    if (outcome->header.run != RUN || outcome->search != 1 || outcome->step != 4 ||
-        outcome->count != COUNT || outcome->first != (int32_t)batch.first ||
+    if (outcome->header.run != RUN || outcome->batch.search != 1 || outcome->batch.step != 4 ||
+        outcome->batch.count != COUNT || outcome->batch.first != (int32_t)batch.first ||
         outcome->non_finite != (int32_t)non_finite || outcome->detail != VERDICT_DETAIL_FULL ||
         !verdict_unpack(found, COUNT, VERDICT_DETAIL_FULL, coordinator->scenario.constraint_count,
                         outcome->packed, (size_t)outcome->packed_size))
@@ -176,10 +176,10 @@ static void on_outcome(void *user, enum wire_kind kind, const void *received)
     struct coordinator *coordinator = user;
     const sobox_outcome_batch_t *outcome = received;
     coordinator->outcomes++;
-    if (outcome->batch >= BATCHES || !outcome_right(coordinator, outcome))
+    if (outcome->batch.batch >= BATCHES || !outcome_right(coordinator, outcome))
         coordinator->wrong = true;
     else
-        coordinator->outcomes_of[outcome->batch]++;
+        coordinator->outcomes_of[outcome->batch.batch]++;
 }
 
 // ---- The tests ----

@@ -18,8 +18,7 @@ static const struct box box = {.count = VARIABLES, .lower = lower, .upper = uppe
 
 static struct sampling sampling_of(enum sampling_method method, uint32_t samples)
 {
-    return (struct sampling){
-        .seed = 42, .search = 3, .step = 17, .samples = samples, .method = method};
+    return (struct sampling){.seed = 42, .step = 17, .samples = samples, .method = method};
 }
 
 // The coordinator remakes only the samples it needs: any of them alone is what it was among all.
@@ -59,20 +58,6 @@ static void uniform_samples_follow_the_definition(void **state)
             double expected = lower[v] + unit * (upper[v] - lower[v]);
             assert_true(values[v * 130 + i] == expected);
         }
-    }
-}
-
-// A case of a sweep is to give the same bits as its scenario run alone, whatever its place.
-static void place_in_the_run_changes_no_sample(void **state)
-{
-    (void)state;
-    for (int method = 0; method <= SAMPLING_METHOD_SOBOL; method++) {
-        struct sampling sampling = sampling_of((enum sampling_method)method, 100);
-        double one[VARIABLES * 100], other[VARIABLES * 100];
-        sampling_fill(&sampling, &box, 0, 100, one, 100);
-        sampling.search = 99999;
-        sampling_fill(&sampling, &box, 0, 100, other, 100);
-        assert_memory_equal(one, other, sizeof one);
     }
 }
 
@@ -190,7 +175,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(picked_samples_are_those_of_the_step),
         cmocka_unit_test(uniform_samples_follow_the_definition),
-        cmocka_unit_test(place_in_the_run_changes_no_sample),
         cmocka_unit_test(any_part_equals_the_whole),
         cmocka_unit_test(samples_stay_in_the_box),
         cmocka_unit_test(rounding_never_passes_the_upper_bound),

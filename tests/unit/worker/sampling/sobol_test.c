@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 static const struct sampling sampling = {
-    .seed = 5, .search = 1, .step = 9, .samples = 4096, .method = SAMPLING_METHOD_SOBOL};
+    .seed = 5, .step = 9, .samples = 4096, .method = SAMPLING_METHOD_SOBOL};
 
 // The first 2^k points have one point in each of 2^k strata, in every variable: also in those whose
 // polynomial has a high degree, where a wrong recurrence would show.

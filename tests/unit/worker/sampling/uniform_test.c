@@ -43,8 +43,8 @@ static void every_width_draws_the_same_numbers(void **state)
     static const uint32_t firsts[] = {0, 64, 12345, UINT32_MAX - 40};
     for (size_t path = 0; path < 3; path++) {
         for (size_t i = 0; i < 16 && paths[path] != NULL; i++) {
-            const struct sampling sampling = {
-                .seed = seeds[i % 4], .search = 3, .step = i % 3 == 0 ? UINT32_MAX : 7};
+            const struct sampling sampling = {.seed = seeds[i % 4],
+                                              .step = i % 3 == 0 ? UINT32_MAX : 7};
             assert_as_one_by_one(paths[path], &sampling, i % 2 == 0 ? 0 : 4094, firsts[i / 4]);
         }
     }
