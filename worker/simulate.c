@@ -230,7 +230,8 @@ static enum status read_point(const char *wanted, const struct scenario *scenari
 static void simulation_run(struct simulation *simulation, const struct scenario *scenario,
                            const struct design *design)
 {
-    struct kinematics_problem *problem = small_overlap_problem(scenario, design, true);
+    struct kinematics_problem *problem =
+        small_overlap_problem(scenario, design, (struct kinematics_omitted){0});
     const size_t columns = kinematics_column_count(problem);
     simulation->problem = problem;
     simulation->outcomes = g_new(double, kinematics_result_count(problem));

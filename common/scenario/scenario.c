@@ -120,7 +120,7 @@ void scenario_fini(struct scenario *scenario)
 static uint32_t own_outcome_count(const struct scenario *scenario)
 {
     return scenario->model == SCENARIO_MODEL_SMALL_OVERLAP
-               ? OUTCOME_ENERGY_ABSORBED + scenario->spring_count
+               ? OUTCOME_ENERGY_ABSORBED + 2 * scenario->spring_count
                : formula_outcome_count(scenario);
 }
 
@@ -157,6 +157,12 @@ uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name
     return count;
 }
 
+// Whether an outcome of the crash model is a spring's greatest deformation.
+static bool is_deformation(const struct scenario *scenario, uint32_t outcome)
+{
+    return outcome >= OUTCOME_ENERGY_ABSORBED + scenario->spring_count;
+}
+
 static void own_outcome_name(const struct scenario *scenario, uint32_t outcome,
                              char name[SCENARIO_OUTCOME_NAME_SIZE])
 {
@@ -164,9 +170,12 @@ static void own_outcome_name(const struct scenario *scenario, uint32_t outcome,
         formula_outcome_name(scenario, outcome, name);
     else if (outcome < OUTCOME_ENERGY_ABSORBED)
         g_strlcpy(name, outcomes[outcome].name, SCENARIO_OUTCOME_NAME_SIZE);
-    else
-        snprintf(name, SCENARIO_OUTCOME_NAME_SIZE, "energy_absorbed.%s",
-                 scenario->springs[outcome - OUTCOME_ENERGY_ABSORBED].name);
+    else {
+        const uint32_t row = outcome - OUTCOME_ENERGY_ABSORBED;
+        snprintf(name, SCENARIO_OUTCOME_NAME_SIZE, "%s.%s",
+                 is_deformation(scenario, outcome) ? "deformation_max" : "energy_absorbed",
+                 scenario->springs[row % scenario->spring_count].name);
+    }
 }
 
 const char *scenario_outcome_name(const struct scenario *scenario, uint32_t outcome,
@@ -186,7 +195,9 @@ const char *scenario_outcome_unit(const struct scenario *scenario, uint32_t outc
     const struct scenario *of = owner(scenario, &outcome);
     if (of->model != SCENARIO_MODEL_SMALL_OVERLAP)
         return formula_outcome_unit(of, outcome);
-    return outcome < OUTCOME_ENERGY_ABSORBED ? outcomes[outcome].unit : "J";
+    if (outcome < OUTCOME_ENERGY_ABSORBED)
+        return outcomes[outcome].unit;
+    return is_deformation(of, outcome) ? "m" : "J";
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -221,7 +221,7 @@ void scenario_init(struct scenario *scenario);
 void scenario_fini(struct scenario *scenario);
 
 // How many outcomes a design of the scenario has: for the crash model OUTCOME_ENERGY_ABSORBED +
-// spring_count, for others those of the formula, with cases the sum over them.
+// 2 spring_count, for others those of the formula, with cases the sum over them.
 uint32_t scenario_outcome_count(const struct scenario *scenario);
 
 // The outcome of that name, or scenario_outcome_count() when there is none.

@@ -331,7 +331,8 @@ static struct flight flight_of(const struct kinematics_problem *problem, const d
 static void flight_cells(const struct scenario *scenario, const struct box *box, uint32_t designs)
 {
     const struct sampling sampling = {.seed = 7, .step = 1, .samples = designs};
-    struct kinematics_problem *problem = small_overlap_problem(scenario, NULL, false);
+    struct kinematics_problem *problem = small_overlap_problem(
+        scenario, NULL, (struct kinematics_omitted){.energies = true, .deformations = true});
     g_autofree double *values = g_new(double, (size_t)box->count *MODEL_BLOCK);
     g_autofree double *single = g_new(double, box->count);
     g_autofree double *results = g_new(double, kinematics_result_count(problem));

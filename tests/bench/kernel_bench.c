@@ -69,7 +69,7 @@ static struct kinematics_problem *bench_problem(const struct bench_case *bench)
         .duration = 0.150,
         .time_step = bench->time_step,
         .integrator = bench->integrator,
-        .without_work = bench->without_work,
+        .omitted = {.energies = bench->without_work, .deformations = true},
     };
     return kinematics_create(&setup);
 }

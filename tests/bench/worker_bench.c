@@ -50,7 +50,9 @@ static void bench_init(struct bench *bench, const char *name, const char *integr
         exit(EXIT_FAILURE);
     }
     bench->model = model_create(&bench->scenario);
-    bench->problem = small_overlap_problem(&bench->scenario, NULL, false);
+    bench->problem =
+        small_overlap_problem(&bench->scenario, NULL,
+                              (struct kinematics_omitted){.energies = true, .deformations = true});
     bench->batch = (struct batch){
         .sampling = {.seed = 1, .step = 1, .samples = samples},
         .count = samples,

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-enum { RESULTS = KINEMATICS_WORK + SEDAN_SPRING_MAX };
+enum { RESULTS = KINEMATICS_WORK + 2 * SEDAN_SPRING_MAX };
 
 static const enum kinematics_integrator integrators[] = {
     KINEMATICS_CENTRAL_DIFFERENCE,

@@ -12,7 +12,8 @@ struct naive_spring {
     double normal[2];   // of the barrier at P2
     bool contact;
     double force[2]; // [N] in vehicle axes
-    double work[1];  // [J] done on the vehicle
+    double work[2];  // [J] done on the vehicle by its x force, its y force
+    double deepest;  // [m] greatest deformation in contact
     double before;   // [m] deformation that loading is told from
     double margin;   // [m] to the nearer end of the face
     // Of the time before, for event Verlet.
@@ -265,12 +266,11 @@ static void work(struct naive *naive, const double q[FREEDOM], const double way[
         struct naive_spring *spring = &naive->springs[i];
         const double c = cos(q[YAW]);
         const double sn = sin(q[YAW]);
-        const double global[2] = {c * spring->force[0] - sn * spring->force[1],
-                                  sn * spring->force[0] + c * spring->force[1]};
         const double arm[2] = {spring->p2[0] - setup->cog[0] - q[X],
                                spring->p2[1] - setup->cog[1] - q[Y]};
-        spring->work[0] +=
-            global[0] * (way[X] - way[YAW] * arm[1]) + global[1] * (way[Y] + way[YAW] * arm[0]);
+        const double moved[2] = {way[X] - way[YAW] * arm[1], way[Y] + way[YAW] * arm[0]};
+        spring->work[0] += spring->force[0] * (c * moved[0] + sn * moved[1]);
+        spring->work[1] += spring->force[1] * (c * moved[1] - sn * moved[0]);
     }
 }
 
@@ -280,6 +280,10 @@ static void observe(struct naive *naive, const double q[FREEDOM])
     bool contact = false;
     for (uint32_t i = 0; i < naive->setup->spring_count; i++) {
         contact |= naive->springs[i].contact;
+        if (naive->springs[i].contact) {
+            naive->springs[i].deepest =
+                fmax(naive->springs[i].deepest, naive->springs[i].deformation);
+        }
     }
     const double ax = naive->felt / naive->setup->mass;
     naive->yaw_max = fmax(naive->yaw_max, fabs(q[YAW]));
@@ -425,7 +429,14 @@ void naive_evaluate(const struct kinematics_setup *setup, const double *values, 
     results[KINEMATICS_ACCELERATION_MEAN] = naive.contacts > 0 ? naive.ax_sum / naive.contacts : 0;
     results[KINEMATICS_KINETIC_ENERGY] = 0.5 * setup->mass * (v[X] * v[X] + v[Y] * v[Y]) +
                                          0.5 * setup->yaw_inertia * v[YAW] * v[YAW];
+    results[KINEMATICS_LATERAL_WORK] = 0.0;
+    results[KINEMATICS_ENERGY_BALANCE] =
+        0.5 * setup->mass * setup->speed * setup->speed - results[KINEMATICS_KINETIC_ENERGY];
     for (uint32_t i = 0; i < setup->spring_count; i++) {
-        results[KINEMATICS_WORK + i] = -naive.springs[i].work[0];
+        const struct naive_spring *spring = &naive.springs[i];
+        results[KINEMATICS_LATERAL_WORK] += spring->work[1];
+        results[KINEMATICS_WORK + i] = -spring->work[0] - spring->work[1];
+        results[KINEMATICS_ENERGY_BALANCE] -= results[KINEMATICS_WORK + i];
+        results[KINEMATICS_WORK + setup->spring_count + i] = spring->deepest;
     }
 }

@@ -76,7 +76,8 @@ static void make_design(const struct crash *crash, struct design *design)
 static void simulate(struct crash *crash, const struct design *design)
 {
     crash_fini(crash);
-    crash->problem = small_overlap_problem(&crash->scenario, design, true);
+    crash->problem =
+        small_overlap_problem(&crash->scenario, design, (struct kinematics_omitted){0});
     const uint32_t value_count = kinematics_value_count(crash->problem);
     g_autofree double *values = g_new(double, value_count);
     g_autofree double *results = g_new(double, kinematics_result_count(crash->problem));

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-enum { LEVELS = 64, RESULTS = KINEMATICS_WORK + SEDAN_SPRING_MAX };
+enum { LEVELS = 64, RESULTS = KINEMATICS_WORK + 2 * SEDAN_SPRING_MAX };
 
 static double values[4 * LEVELS];
 static double results[RESULTS * LEVELS];

@@ -49,6 +49,7 @@ struct kernel_spring {
     double force_y[LANES];   // [N]
     double place[LANES];     // [m] e
     double work[LANES];      // [J] done on the vehicle so far; the leapfrog schemes keep it twice
+    double deepest[LANES];   // [m] greatest deformation in contact; kept only where it is wanted
     double contact[LANES];   // 0 or 1; kept only while recording
     struct kernel_event event;
 } __attribute__((aligned(64))); // so that no vector lies across two lines of the cache
@@ -57,6 +58,7 @@ struct kernel_spring {
 struct kernel_scratch {
     double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
     struct kernel_spring springs[KINEMATICS_SPRING_MAX];
+    double lateral_work[LANES]; // [J] of all springs' y forces; the leapfrog schemes keep it twice
     // Event Verlet: what was found in the last step, of all springs, and where spring 0 left the
     // face.
     double made_good[3][LANES]; // [N, N, Nm]
@@ -417,6 +419,14 @@ LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *
     return step;
 }
 
+// Notes a deformation of a spring where it is in contact.
+LANES_INLINE void kernel_deepen(struct kernel_spring *kept, struct lanes_mask contact,
+                                struct lanes deformation)
+{
+    const struct lanes deepest = lanes_load(kept->deepest);
+    lanes_store(kept->deepest, lanes_select(contact, lanes_max(deformation, deepest), deepest));
+}
+
 // Finds what began and ended within the step that ends now and makes it good in the springs'
 // forces. Where spring 0 left the face, `left` is set and `left_at` is the deformation at which it
 // did. Most bundles see nothing of that in most steps, so this is called when one does, and stands
@@ -441,8 +451,8 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
         const bool other = lanes_any(lanes_differ(event->loads[before], event->loads[now])) ||
                            (unload && lanes_any(lanes_differ(event->unloads[before], //
                                                              event->unloads[now])));
-        const bool parted =
-            i == 0 && lanes_any(lanes_and_not(event->contact[before], event->contact[now]));
+        const bool parted = (i == 0 || features.deepest) &&
+                            lanes_any(lanes_and_not(event->contact[before], event->contact[now]));
         if (!other && !parted) {
             continue;
         }
@@ -464,11 +474,17 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
         moment = lanes_fma(lanes_load(kept->place), y, moment);
         moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
         if (parted) {
-            scratch->left =
+            const struct lanes_mask left =
                 lanes_and_not(lanes_and(event->contact[before], step.outside), event->contact[now]);
-            lanes_store(scratch->left_at,
-                        lanes_fma(step.slip, lanes_sub(step.deformation, step.before), //
-                                  step.before));
+            const struct lanes left_at =
+                lanes_fma(step.slip, lanes_sub(step.deformation, step.before), step.before);
+            if (i == 0) {
+                scratch->left = left;
+                lanes_store(scratch->left_at, left_at);
+            }
+            if (features.deepest) {
+                kernel_deepen(kept, left, left_at);
+            }
         }
     }
     lanes_store(scratch->made_good[0], sum_x);
@@ -477,7 +493,8 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
 }
 
 // Remembers of one spring what the next step is held against. Returns where it began or ceased to
-// act within the step that ends now, and for spring 0 where it began or ceased to touch.
+// act within the step that ends now, and for spring 0, or all whose greatest deformation is wanted,
+// where it began or ceased to touch.
 LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features features, uint32_t index,
                                                  uint32_t number, const struct kernel_place *place,
                                                  struct lanes reference, struct lanes_mask contact,
@@ -496,7 +513,7 @@ LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features feature
     if (features.crushed) {
         lanes_store(event->reference, reference);
     }
-    if (index == 0) {
+    if (index == 0 || features.deepest) {
         other = lanes_or(other, lanes_differ(event->contact[before], contact));
         event->contact[now] = contact;
     }
@@ -555,6 +572,9 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
             }
             if (features.events) {
                 lanes_store(scratch->springs[i].event.deformation[number % 3], s);
+            }
+            if (features.deepest) {
+                kernel_deepen(kept, contact, s);
             }
         }
 
@@ -633,6 +653,7 @@ LANES_INLINE void kernel_work(const struct kinematics_problem *problem,
     const struct lanes along =
         lanes_fma(pose->cosine, way->x, lanes_mul(pose->sine, way->y)); // in vehicle axes
     const struct lanes across = lanes_fms(pose->cosine, way->y, lanes_mul(pose->sine, way->x));
+    struct lanes lateral = lanes_load(scratch->lateral_work);
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         struct kernel_spring *kept = &scratch->springs[i];
         const struct lanes way_x =
@@ -641,8 +662,10 @@ LANES_INLINE void kernel_work(const struct kinematics_problem *problem,
         struct lanes work = lanes_load(kept->work);
         work = lanes_fma(lanes_load(kept->force_x), way_x, work);
         work = lanes_fma(lanes_load(kept->force_y), way_y, work);
+        lateral = lanes_fma(lanes_load(kept->force_y), way_y, lateral);
         lanes_store(kept->work, work);
     }
+    lanes_store(scratch->lateral_work, lateral);
 }
 
 LANES_INLINE void kernel_observe(const struct kernel_pose *pose, const struct kernel_load *load,
@@ -944,10 +967,18 @@ LANES_INLINE void kernel_results(const struct kinematics_problem *problem,
     STORE(KINEMATICS_ACCELERATION_MAX, lanes_mul(observed->force_max, by_mass));
     STORE(KINEMATICS_ACCELERATION_MEAN, lanes_div(lanes_mul(observed->force_sum, by_mass), steps));
     STORE(KINEMATICS_KINETIC_ENERGY, energy);
+    STORE(KINEMATICS_LATERAL_WORK,
+          lanes_mul(lanes_set(work_unit), lanes_load(scratch->lateral_work)));
+    const double energy_at_start = 0.5 * problem->mass * problem->speed * problem->speed;
+    struct lanes balance = lanes_sub(lanes_set(energy_at_start), energy);
     for (uint32_t i = 0; i < problem->spring_count; i++) {
-        STORE(KINEMATICS_WORK + i,
-              lanes_fnma(lanes_set(work_unit), lanes_load(scratch->springs[i].work), zero));
+        const struct lanes work =
+            lanes_fnma(lanes_set(work_unit), lanes_load(scratch->springs[i].work), zero);
+        balance = lanes_sub(balance, work);
+        STORE(KINEMATICS_WORK + i, work);
+        STORE(KINEMATICS_WORK + problem->spring_count + i, lanes_load(scratch->springs[i].deepest));
     }
+    STORE(KINEMATICS_ENERGY_BALANCE, problem->features.work ? balance : zero);
 #undef STORE
 }
 
@@ -966,7 +997,9 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
             lanes_store(scratch->springs[i].event.deformation[2], lanes_set(-INFINITY));
         }
         lanes_store(scratch->springs[i].work, zero);
+        lanes_store(scratch->springs[i].deepest, zero);
     }
+    lanes_store(scratch->lateral_work, zero);
     struct kernel_motion at = {lanes_set(problem->start_x), lanes_set(problem->start_y), zero};
     struct kernel_motion velocity = {lanes_set(-problem->speed), zero, zero};
     struct kernel_observed observed = {zero, zero, zero, zero, zero, zero};
@@ -987,11 +1020,13 @@ LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint
                                   double *rows)
 {
     const struct problem_features features = problem->features;
-    const struct problem_features none = {.work = features.work};
-    const struct problem_features late = {.work = features.work, .late_start = true};
-    const struct problem_features events = {.work = features.work, .events = true};
+    const struct problem_features none = {.work = features.work, .deepest = features.deepest};
+    const struct problem_features late = {
+        .work = features.work, .deepest = features.deepest, .late_start = true};
+    const struct problem_features events = {
+        .work = features.work, .deepest = features.deepest, .events = true};
     const struct problem_features both = {
-        .work = features.work, .events = true, .late_start = true};
+        .work = features.work, .deepest = features.deepest, .events = true, .late_start = true};
     const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
     const bool plain = !features.rounded && !features.unload && !features.crushed;
     struct kernel_scratch scratch;

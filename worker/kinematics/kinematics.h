@@ -65,6 +65,13 @@ struct kinematics_spring {
     struct kinematics_curve unload; // the same; without it an unloading spring does not push
 };
 
+// Results that a caller does without. What is omitted is 0; it moves nothing, so no other result
+// changes by a bit.
+struct kinematics_omitted {
+    bool energies;     // work and energy balance, which take a quarter of the time
+    bool deformations; // the springs' greatest deformations
+};
+
 struct kinematics_setup {
     double mass;        // [kg] > 0
     double yaw_inertia; // [kg m2] > 0
@@ -81,10 +88,10 @@ struct kinematics_setup {
     double time_step;                        // [s] > 0, <= duration
     enum kinematics_integrator integrator;
     enum kinematics_reloading reloading;
-    // Leaves the springs' work out, which is 0 then. It moves nothing, so no other result changes;
-    // it takes a quarter of the time.
-    bool without_work;
+    struct kinematics_omitted omitted;
 };
+
+struct kinematics_problem;
 
 // What one design did. "The end" is the last of round(duration / time_step) steps. All of a
 // design's results are NaN when its motion left the finite numbers.
@@ -105,11 +112,21 @@ enum kinematics_result {
     KINEMATICS_ACCELERATION_MEAN, // [m/s2] mean in x over the steps with a spring in contact, else
                                   // 0
     KINEMATICS_KINETIC_ENERGY,    // [J] at the end
-    KINEMATICS_WORK, // [J] of spring 0: what it took from the vehicle; spring i follows. 0 where
-                     // the setup says without_work
+    // [J] that the lateral forces gave the vehicle. A lateral force follows the axial deformation
+    // and pushes along the barrier as long as it acts, so it usually gives: the model has a source
+    // of energy there, and a car may end faster than it came.
+    KINEMATICS_LATERAL_WORK,
+    // [J] kinetic energy at time 0 minus that at the end minus the work of all springs: 0 but for
+    // the error of the integrator, which for the leapfrog schemes is rounding.
+    KINEMATICS_ENERGY_BALANCE,
+    KINEMATICS_WORK, // [J] of spring 0: what it took from the vehicle; spring i follows
 };
 
-struct kinematics_problem;
+// After the work of the springs: [m] the greatest deformation that spring `index` had in contact, 0
+// when it never touched.
+uint32_t kinematics_deformation_row(const struct kinematics_problem *problem, uint32_t index);
+
+enum { KINEMATICS_RESULT_MAX = KINEMATICS_WORK + 2 * KINEMATICS_SPRING_MAX };
 
 // Prepares a problem. The caller frees it.
 struct kinematics_problem *kinematics_create(const struct kinematics_setup *setup);
@@ -120,7 +137,7 @@ void kinematics_free(struct kinematics_problem *problem);
 // struck side (+y).
 uint32_t kinematics_value_count(const struct kinematics_problem *problem);
 
-// KINEMATICS_WORK + spring_count.
+// KINEMATICS_WORK + 2 spring_count.
 uint32_t kinematics_result_count(const struct kinematics_problem *problem);
 
 // Evaluates `count` designs: values[value * stride + i] are the forces of design i, and

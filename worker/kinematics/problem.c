@@ -87,7 +87,8 @@ struct kinematics_problem *kinematics_create(const struct kinematics_setup *setu
     problem->integrator = setup->integrator;
     problem->features.rounded = setup->profile == KINEMATICS_PROFILE_ROUNDED;
     problem->features.crushed = setup->reloading == KINEMATICS_RELOADING_CRUSHED;
-    problem->features.work = !setup->without_work;
+    problem->features.work = !setup->omitted.energies;
+    problem->features.deepest = !setup->omitted.deformations;
     problem->features.events = setup->integrator == KINEMATICS_EVENT_VERLET;
     problem->lowest_y = setup->springs[0].position[1];
     for (uint32_t i = 0; i < setup->spring_count; i++) {
@@ -114,7 +115,13 @@ uint32_t kinematics_value_count(const struct kinematics_problem *problem)
 
 uint32_t kinematics_result_count(const struct kinematics_problem *problem)
 {
-    return KINEMATICS_WORK + problem->spring_count;
+    return KINEMATICS_WORK + 2 * problem->spring_count;
+}
+
+uint32_t kinematics_deformation_row(const struct kinematics_problem *problem, uint32_t index)
+{
+    assert(index < problem->spring_count);
+    return KINEMATICS_WORK + problem->spring_count + index;
 }
 
 uint32_t kinematics_row_count(const struct kinematics_problem *problem)

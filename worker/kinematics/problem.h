@@ -38,6 +38,7 @@ struct problem_features {
     bool crushed;    // reloading is KINEMATICS_RELOADING_CRUSHED
     bool events;     // integrator is KINEMATICS_EVENT_VERLET
     bool work;       // the springs' work is wanted
+    bool deepest;    // their greatest deformations are wanted
 };
 
 struct kinematics_problem {

@@ -11,7 +11,7 @@
 // One function of the design: the crash model, or a formula. The other one is NULL.
 struct part {
     struct kinematics_problem *problem;
-    struct kinematics_problem *judged; // without energies where none is bounded
+    struct kinematics_problem *judged; // without what no constraint bounds
     double overlap;                    // [m]
     struct closed_form *form;
     uint32_t variable_count; // the same in all parts
@@ -27,19 +27,29 @@ struct model {
 
 // ---- Parts ----
 
-// Whether some constraint of the whole scenario bounds an energy that a spring of this part
-// absorbs. The part's outcomes begin at `first`.
-static bool part_energy_bounded(const struct scenario *whole, const struct scenario *scenario,
-                                uint32_t first)
+// Whether some constraint of the whole scenario bounds one of the outcomes from..before.
+static bool outcomes_bounded(const struct scenario *whole, uint32_t from, uint32_t before)
 {
-    const uint32_t energy = first + OUTCOME_ENERGY_ABSORBED;
     for (uint32_t i = 0; i < whole->constraint_count; i++) {
         const uint32_t outcome = whole->constraints[i].outcome;
-        if (outcome >= energy && outcome < energy + scenario->spring_count) {
+        if (outcome >= from && outcome < before) {
             return true;
         }
     }
     return false;
+}
+
+// What no constraint of the whole scenario bounds of this part, whose outcomes begin at `first`.
+static struct kinematics_omitted part_omitted(const struct scenario *whole,
+                                              const struct scenario *scenario, uint32_t first)
+{
+    const uint32_t energies = first + OUTCOME_LATERAL_WORK;
+    const uint32_t deformations = first + OUTCOME_ENERGY_ABSORBED + scenario->spring_count;
+    return (struct kinematics_omitted){
+        .energies = !outcomes_bounded(whole, energies, deformations),
+        .deformations =
+            !outcomes_bounded(whole, deformations, deformations + scenario->spring_count),
+    };
 }
 
 static void part_init(struct part *part, const struct scenario *whole,
@@ -47,9 +57,8 @@ static void part_init(struct part *part, const struct scenario *whole,
 {
     *part = (struct part){.overlap = scenario->barrier.overlap};
     if (scenario->model == SCENARIO_MODEL_SMALL_OVERLAP) {
-        part->problem = small_overlap_problem(scenario, NULL, true);
-        part->judged =
-            small_overlap_problem(scenario, NULL, part_energy_bounded(whole, scenario, first));
+        part->problem = small_overlap_problem(scenario, NULL, (struct kinematics_omitted){0});
+        part->judged = small_overlap_problem(scenario, NULL, part_omitted(whole, scenario, first));
         part->variable_count = kinematics_value_count(part->problem);
         part->outcome_count = kinematics_result_count(part->problem);
     } else {

@@ -29,8 +29,9 @@ uint32_t model_outcome_count(const struct model *model);
 void model_evaluate(const struct model *model, uint32_t count, const double *values,
                     double *outcomes);
 
-// The same for one who only holds the outcomes against the scenario's constraints: where none
-// bounds an energy that a spring absorbs, these energies are 0. They take a quarter of the time.
+// The same for one who only holds the outcomes against the scenario's constraints: energies
+// are 0 where none bounds an energy, deformations where none bounds a deformation. The energies
+// take a quarter of the time.
 void model_evaluate_judged(const struct model *model, uint32_t count, const double *values,
                            double *outcomes);
 

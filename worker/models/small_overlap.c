@@ -19,6 +19,8 @@ SAME(KINEMATICS_DELTA_VY, OUTCOME_DELTA_VY);
 SAME(KINEMATICS_ACCELERATION_MAX, OUTCOME_DECEL_MAX_G);
 SAME(KINEMATICS_ACCELERATION_MEAN, OUTCOME_DECEL_MEAN_G);
 SAME(KINEMATICS_KINETIC_ENERGY, OUTCOME_KINETIC_ENERGY);
+SAME(KINEMATICS_LATERAL_WORK, OUTCOME_LATERAL_WORK);
+SAME(KINEMATICS_ENERGY_BALANCE, OUTCOME_ENERGY_BALANCE);
 SAME(KINEMATICS_WORK, OUTCOME_ENERGY_ABSORBED);
 #undef SAME
 
@@ -54,7 +56,8 @@ static struct kinematics_spring small_overlap_spring(const struct scenario_sprin
 }
 
 struct kinematics_problem *small_overlap_problem(const struct scenario *scenario,
-                                                 const struct design *design, bool energies)
+                                                 const struct design *design,
+                                                 struct kinematics_omitted omitted)
 {
     struct kinematics_spring springs[KINEMATICS_SPRING_MAX];
     _Static_assert((int)SCENARIO_SPRING_MAX <= (int)KINEMATICS_SPRING_MAX,
@@ -86,7 +89,7 @@ struct kinematics_problem *small_overlap_problem(const struct scenario *scenario
         .reloading = scenario->simulation.reloading == SCENARIO_RELOADING_CRUSHED
                          ? KINEMATICS_RELOADING_CRUSHED
                          : KINEMATICS_RELOADING_THESIS,
-        .without_work = !energies,
+        .omitted = omitted,
     };
     return kinematics_create(&setup);
 }

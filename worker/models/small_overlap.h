@@ -11,10 +11,11 @@
 #define SMALL_OVERLAP_GRAVITY 9.80665
 
 // Prepares the problem of a scenario. Its forces are those of the scenario's variables, in their
-// order, or with a `design` (not NULL) those that small_overlap_values() gives. Without `energies`
-// those that the springs absorb are 0. Nothing is kept. The caller frees it with kinematics_free().
+// order, or with a `design` (not NULL) those that small_overlap_values() gives. Nothing is kept.
+// The caller frees it with kinematics_free().
 struct kinematics_problem *small_overlap_problem(const struct scenario *scenario,
-                                                 const struct design *design, bool energies);
+                                                 const struct design *design,
+                                                 struct kinematics_omitted omitted);
 
 // The forces of a design as its problem takes them: values (kinematics_value_count()).
 void small_overlap_values(const struct design *design, double *values);

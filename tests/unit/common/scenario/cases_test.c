@@ -83,11 +83,12 @@ static void outcomes_and_constraints_count_over_cases(void **state)
                                    "- {name: b, response: rotating, constraints.s_L.max: 0.9}\n");
     const uint32_t own = scenario_outcome_count(&s.cases[0]);
     char name[SCENARIO_OUTCOME_NAME_SIZE];
-    assert_int_equal(own, OUTCOME_ENERGY_ABSORBED + 2);
+    assert_int_equal(own, OUTCOME_ENERGY_ABSORBED + 4);
     assert_int_equal(scenario_outcome_count(&s), 2 * own);
     assert_string_equal(scenario_outcome_name(&s, OUTCOME_S_L, name), "a.s_L");
     assert_string_equal(scenario_outcome_name(&s, own + OUTCOME_ABWP, name), "b.AbWP");
-    assert_string_equal(scenario_outcome_name(&s, 2 * own - 1, name), "b.energy_absorbed.rail-2");
+    assert_string_equal(scenario_outcome_name(&s, 2 * own - 3, name), "b.energy_absorbed.rail-2");
+    assert_string_equal(scenario_outcome_name(&s, 2 * own - 1, name), "b.deformation_max.rail-2");
     assert_string_equal(scenario_outcome_name(&s.cases[1], OUTCOME_ABWP, name), "AbWP");
     assert_string_equal(scenario_outcome_unit(&s, own + OUTCOME_YAW_DEG), "deg");
     assert_int_equal(scenario_outcome_find(&s, "b.s_L"), own + OUTCOME_S_L);

@@ -69,7 +69,7 @@ static struct verdict judged(double s_l, double yaw)
     };
     struct scenario by_hand = {
         .spring_count = 1, .constraints = constraints, .constraint_count = 3};
-    double outcomes[(OUTCOME_ENERGY_ABSORBED + 1) * STRIDE] = {0};
+    double outcomes[(OUTCOME_ENERGY_ABSORBED + 2) * STRIDE] = {0};
     for (size_t i = 1; i < sizeof outcomes / sizeof outcomes[0]; i += STRIDE)
         outcomes[i] = outcomes[i + 1] = NAN; // other samples' lanes: not to be looked at
     outcomes[OUTCOME_S_L * STRIDE] = s_l;
@@ -123,7 +123,7 @@ static void non_finite_outcome_is_worst(void **state)
     assert_verdict(judged(INFINITY, 0), 0, INFINITY);
     assert_verdict(judged(0.5, -INFINITY), 1, INFINITY);
 
-    double outcomes[OUTCOME_ENERGY_ABSORBED + 1] = {[OUTCOME_S_L] = 0.5};
+    double outcomes[OUTCOME_ENERGY_ABSORBED + 2] = {[OUTCOME_S_L] = 0.5};
     outcomes[OUTCOME_TRAVEL_Y] = NAN; // no constraint concerns it
     assert_verdict(batch_verdict(&scenario, outcomes, 1), 0, INFINITY);
 }
@@ -142,7 +142,7 @@ static void block_is_judged_as_its_designs_are(void **state)
         fail_msg("%s", error.text);
     s.design_space.upper[1] = 1e308; // [N]
     struct model *of = model_create(&s);
-    enum { COUNT = 200, OUTCOMES = OUTCOME_ENERGY_ABSORBED + 1 };
+    enum { COUNT = 200, OUTCOMES = OUTCOME_ENERGY_ABSORBED + 2 };
     static double values[8 * MODEL_BLOCK], outcomes[OUTCOMES * MODEL_BLOCK];
     assert_true(model_variable_count(of) <= 8 && model_outcome_count(of) == OUTCOMES);
     const struct batch batch = {.sampling = {.seed = 4, .samples = COUNT}, .count = COUNT};

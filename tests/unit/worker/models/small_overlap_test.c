@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-enum { POINTS = 3, OUTCOMES = OUTCOME_ENERGY_ABSORBED + 1 };
+enum { POINTS = 3, OUTCOMES = OUTCOME_ENERGY_ABSORBED + 2 };
 
 static struct scenario_spring spring;
 static struct scenario scenario;
@@ -46,7 +46,8 @@ static void simulate(double *outcomes)
 {
     struct design design;
     design_init_place(&design, &scenario, DESIGN_CENTRE);
-    struct kinematics_problem *problem = small_overlap_problem(&scenario, &design, true);
+    struct kinematics_problem *problem =
+        small_overlap_problem(&scenario, &design, (struct kinematics_omitted){0});
     double values[2 * POINTS];
     assert_int_equal(kinematics_value_count(problem), 2 * POINTS);
     small_overlap_values(&design, values);
@@ -92,13 +93,23 @@ static void model_and_single_design_agree(void **state)
     simulate(single);
     assert_true(single[OUTCOME_ENERGY_ABSORBED] > 0.0);
     assert_outcomes(model_evaluate, single);
+    const double deepest = single[OUTCOME_ENERGY_ABSORBED + 1];
+    assert_true(deepest > 0.0);
+    single[OUTCOME_ENERGY_ABSORBED + 1] = 0.0; // no constraint bounds it
     struct scenario_constraint energy = {
         .outcome = OUTCOME_ENERGY_ABSORBED, .min = -INFINITY, .max = 300e3, .scale = 300e3};
     scenario.constraints = &energy;
     scenario.constraint_count = 1;
     assert_outcomes(model_evaluate_judged, single);
-    energy.outcome = OUTCOME_S_L;
+    energy.outcome = OUTCOME_ENERGY_BALANCE;
+    assert_outcomes(model_evaluate_judged, single);
+    single[OUTCOME_ENERGY_ABSORBED + 1] = deepest;
+    single[OUTCOME_LATERAL_WORK] = single[OUTCOME_ENERGY_BALANCE] = 0.0;
     single[OUTCOME_ENERGY_ABSORBED] = 0.0;
+    energy.outcome = OUTCOME_ENERGY_ABSORBED + 1; // the greatest deformation
+    assert_outcomes(model_evaluate_judged, single);
+    energy.outcome = OUTCOME_S_L;
+    single[OUTCOME_ENERGY_ABSORBED + 1] = 0.0;
     assert_outcomes(model_evaluate_judged, single);
 }
 
@@ -167,7 +178,8 @@ static void unload_branch_pushes_back(void **state)
         assert_int_equal(
             design_parse(&design, &scenario, "d.csv", texts[i], strlen(texts[i]), &error),
             STATUS_OK);
-        struct kinematics_problem *problem = small_overlap_problem(&scenario, &design, true);
+        struct kinematics_problem *problem =
+            small_overlap_problem(&scenario, &design, (struct kinematics_omitted){0});
         double values[8];
         small_overlap_values(&design, values);
         kinematics_evaluate(problem, 1, values, outcomes[i], 1);
@@ -195,7 +207,8 @@ static void reloading_is_passed_on(void **state)
                      STATUS_OK);
     for (int rule = 0; rule < 2; rule++) {
         scenario.simulation.reloading = (enum scenario_reloading)rule;
-        struct kinematics_problem *problem = small_overlap_problem(&scenario, &design, true);
+        struct kinematics_problem *problem =
+            small_overlap_problem(&scenario, &design, (struct kinematics_omitted){0});
         double values[8];
         small_overlap_values(&design, values);
         kinematics_evaluate(problem, 1, values, outcomes[rule], 1);
