@@ -17,6 +17,8 @@ enum {
                                         // fit 200 KB of memory at either end
     PROTOCOL_TEXT_SIZE_MAX = 1 << 20,   // [bytes] of a scenario or box that travels in pieces
     PROTOCOL_VARIABLE_MAX = 4096,       // variables of one search
+    PROTOCOL_SCENARIO_MAX = 8192,       // scenarios that a worker keeps: all open searches of its
+                                        // coordinator, and some of another one
     PROTOCOL_AXIS_MAX = 64,             // values that tell the cases of a sweep apart
 };
 

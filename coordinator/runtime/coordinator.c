@@ -11,7 +11,6 @@
 #include "coordinator/runtime/texts.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
-#include "worker/batch/intake.h"
 
 #include <glib.h>
 #include <string.h>
@@ -19,8 +18,6 @@
 enum {
     STATUS_INTERVAL_MS = 1000,
 };
-
-_Static_assert((int)OPENING_MAX < (int)INTAKE_SCENARIO_MAX, "workers must keep all open scenarios");
 
 struct coordinator {
     struct run *run;

@@ -1,7 +1,12 @@
 #include "coordinator/runtime/opening.h"
 
+#include "common/protocol/protocol.h"
+
 #include <assert.h>
 #include <unistd.h>
+
+_Static_assert(2 * (int)OPENING_MAX <= (int)PROTOCOL_SCENARIO_MAX,
+               "workers must keep all open scenarios of two coordinators");
 
 // The coordinator's share of the machine's memory: workers and the system's cache of the journal
 // want some too.

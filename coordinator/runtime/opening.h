@@ -18,7 +18,8 @@
 
 enum {
     // Searches open at once. Each has a scenario of its own, and a worker that is to know more of
-    // them than it keeps (INTAKE_SCENARIO_MAX) would fetch one for every batch: another coordinator
+    // them than it keeps (PROTOCOL_SCENARIO_MAX) would fetch one for every batch: another
+    // coordinator
     // with the same workers may have as many.
     OPENING_MAX = 4000,
     // Searches that may be open whatever memory they take: with fewer a step of one could not be

@@ -19,8 +19,8 @@
 #define SOBOX_COORDINATOR_SEARCH_EXPLAIN_H
 
 #include "common/numeric/verdict.h"
+#include "common/sampling/sampling.h"
 #include "common/scenario/scenario.h"
-#include "worker/sampling/sampling.h"
 
 #include <stdbool.h>
 #include <stdint.h>

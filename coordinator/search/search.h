@@ -17,8 +17,8 @@
 #include "common/numeric/digest.h"
 #include "common/numeric/verdict.h"
 #include "common/protocol/protocol.h"
+#include "common/sampling/sampling.h"
 #include "common/scenario/scenario.h"
-#include "worker/sampling/sampling.h"
 
 // What the search wants sampled next.
 struct search_request {

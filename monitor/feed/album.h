@@ -10,7 +10,7 @@
 
 #include "common/numeric/digest.h"
 #include "common/numeric/verdict.h"
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 #include "sobox_step_status_t.h"
 

@@ -1,6 +1,6 @@
 // The samples of a step as points over two variables, coloured by what stands in their way: the
 // picture by which solution spaces are read. Coordinates are made again from the step's box and
-// numbers (worker/sampling), so these are the very designs that were evaluated.
+// numbers (common/sampling), so these are the very designs that were evaluated.
 #ifndef SOBOX_MONITOR_HTTP_XRAY_H
 #define SOBOX_MONITOR_HTTP_XRAY_H
 

@@ -1,7 +1,6 @@
 #include "monitor/record/record.h"
 
 #include "coordinator/journal/journal.h"
-#include "coordinator/search/search.h"
 
 #include <float.h>
 #include <glib.h>

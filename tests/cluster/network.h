@@ -9,10 +9,10 @@
 
 #include "common/numeric/digest.h"
 #include "common/numeric/verdict.h"
+#include "common/sampling/sampling.h"
 #include "coordinator/schedule/heap.h"
 #include "coordinator/schedule/schedule.h"
 #include "tests/cluster/dice.h"
-#include "worker/sampling/sampling.h"
 
 enum {
     NETWORK_PLACE_MAX = 8200, // a worker each but one

@@ -46,7 +46,7 @@ set -eu
         plain["common/scenario/scenario.h"] = plain["common/scenario/outcome.h"] = 1
         plain["common/scenario/formula.h"] = 1
         pure["coordinator/search"] = pure["coordinator/schedule"] = 1
-        pure["worker/sampling"] = pure["worker/kinematics"] = pure["worker/models"] = 1
+        pure["common/sampling"] = pure["worker/kinematics"] = pure["worker/models"] = 1
         pure["worker/reduction"] = 1
     }
     /^sobox_library[(]/ {
@@ -84,4 +84,28 @@ set -eu
             header ~ /^(time|unistd|fcntl|poll|signal)[.]h$|^sys\/|base\/(clock|log)[.]h$/)
             complain(header ": " folder " knows no clock, file, process or network")
     }
-    END { exit wrong }'
+    # The monitor observes: it decides nothing, computes nothing, and works on a machine that has no
+    # part in the run. Of the coordinator it knows the journal alone.
+    END {
+        for (path in program) {
+            if (path !~ /^monitor[/]/)
+                continue
+            watches = 1
+            known = reach(program[path], "|")
+            for (name in home)
+                if (home[name] ~ /^(worker|coordinator|hub)[/]/ && name != "sobox_journal" &&
+                    index(known, "|" name "|")) {
+                    print path ": its link line reaches " home[name]
+                    wrong = 1
+                }
+            if (index(known, "|OpenMP::OpenMP_C|")) {
+                print path ": its link line reaches OpenMP"
+                wrong = 1
+            }
+        }
+        if (!watches) {
+            print "no program of the monitor was found"
+            wrong = 1
+        }
+        exit wrong
+    }'

@@ -5,8 +5,8 @@
 #define SOBOX_WORKER_BATCH_BATCH_H
 
 #include "common/numeric/verdict.h"
+#include "common/sampling/sampling.h"
 #include "worker/models/model.h"
-#include "worker/sampling/sampling.h"
 
 struct batch {
     struct sampling sampling;

@@ -32,7 +32,7 @@ enum {
     INTAKE_QUEUE_MAX = 1024, // batches waiting or taken; thousands would only grow stale
     // Scenarios kept, prepared or asked for: more than one coordinator has searches open, and some
     // for another. A prepared one of thesis size takes 20 KB.
-    INTAKE_SCENARIO_MAX = 8192,
+    INTAKE_SCENARIO_MAX = PROTOCOL_SCENARIO_MAX,
     // Texts of those prepared [bytes]: what is made of one takes some 25 times its size.
     INTAKE_SCENARIO_SIZE_MAX = 16 << 20,
     INTAKE_BOX_MAX = 1024, // boxes kept or asked for; not less than the queue is long

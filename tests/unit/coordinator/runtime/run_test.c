@@ -3,8 +3,8 @@
 #include "coordinator/runtime/run.h"
 
 #include "common/base/log.h"
+#include "common/sampling/sampling.h"
 #include "common/scenario/scenario_read.h"
-#include "worker/sampling/sampling.h"
 
 #include <glib.h>
 #include <glib/gstdio.h>

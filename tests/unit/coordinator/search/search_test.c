@@ -1,6 +1,6 @@
 #include "coordinator/search/search.h"
 
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 #include <glib.h>
 #include <math.h>

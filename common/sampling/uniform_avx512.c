@@ -21,7 +21,7 @@ static inline __m512d words_unit(__m512i high, __m512i low)
     return _mm512_mul_pd(_mm512_cvtepi64_pd(all), _mm512_set1_pd(0x1p-53));
 }
 
-#include "worker/sampling/uniform_wide.h"
+#include "common/sampling/uniform_wide.h"
 
 void uniform_avx512(const struct sampling *sampling, uint32_t variable, uint32_t first,
                     double *restrict even, double *restrict odd)

@@ -2,12 +2,11 @@
 // variable) alone, so that any worker makes any part of a step and the coordinator makes it again
 // when it trims. The number of the search in its run has no part in it: a case of a sweep gives the
 // same bits as its scenario run alone, and cases with one seed are compared on the same numbers.
-#ifndef SOBOX_WORKER_SAMPLING_SAMPLING_H
-#define SOBOX_WORKER_SAMPLING_SAMPLING_H
+#ifndef SOBOX_COMMON_SAMPLING_SAMPLING_H
+#define SOBOX_COMMON_SAMPLING_SAMPLING_H
 
 #include "common/numeric/box.h"
 #include "common/protocol/protocol.h"
-#include "common/scenario/scenario.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -2,10 +2,10 @@
 // of 0 .. samples-1, so that any worker knows the place of any sample without having drawn the
 // others. A Feistel network permutes the next power of two; a number that lands outside walks on
 // along its cycle until it lands inside, which keeps it a permutation.
-#ifndef SOBOX_WORKER_SAMPLING_STRATUM_H
-#define SOBOX_WORKER_SAMPLING_STRATUM_H
+#ifndef SOBOX_COMMON_SAMPLING_STRATUM_H
+#define SOBOX_COMMON_SAMPLING_STRATUM_H
 
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 struct stratum {
     uint32_t samples;   // strata

@@ -1,4 +1,4 @@
-#include "worker/sampling/sobol.h"
+#include "common/sampling/sobol.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

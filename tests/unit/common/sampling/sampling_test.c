@@ -1,4 +1,4 @@
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 #include "common/numeric/random.h"
 

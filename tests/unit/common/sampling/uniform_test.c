@@ -1,5 +1,5 @@
 // Random numbers on every width of vector registers.
-#include "worker/sampling/uniform_path.h"
+#include "common/sampling/uniform_path.h"
 
 #include "common/numeric/random.h"
 

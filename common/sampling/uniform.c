@@ -1,7 +1,7 @@
-#include "worker/sampling/uniform.h"
+#include "common/sampling/uniform.h"
 
 #include "common/numeric/random.h"
-#include "worker/sampling/uniform_path.h"
+#include "common/sampling/uniform_path.h"
 
 #include <assert.h>
 #include <stdatomic.h>

@@ -1,10 +1,10 @@
 // random_philox() and random_unit() on vectors, for a source that says what a vector is:
 // WORDS_LANES 32-bit words, each in the low half of 64 bits, which is where the machine multiplies
 // them. What stands in the high halves is ignored until WORDS_UNIT, which clears it.
-#ifndef SOBOX_WORKER_SAMPLING_UNIFORM_WIDE_H
-#define SOBOX_WORKER_SAMPLING_UNIFORM_WIDE_H
+#ifndef SOBOX_COMMON_SAMPLING_UNIFORM_WIDE_H
+#define SOBOX_COMMON_SAMPLING_UNIFORM_WIDE_H
 
-#include "worker/sampling/uniform_path.h"
+#include "common/sampling/uniform_path.h"
 
 #include <assert.h>
 

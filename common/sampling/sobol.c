@@ -1,4 +1,4 @@
-#include "worker/sampling/sobol.h"
+#include "common/sampling/sobol.h"
 
 #include "common/numeric/random.h"
 
@@ -11,7 +11,7 @@
 // Bit i of a polynomial is the coefficient of x^i. A polynomial of degree s is primitive when the
 // powers of x modulo it run through all 2^s - 1 non-zero remainders.
 
-enum { POLYNOMIAL_COUNT = SCENARIO_VARIABLE_MAX };
+enum { POLYNOMIAL_COUNT = PROTOCOL_VARIABLE_MAX };
 
 static pthread_mutex_t polynomial_lock = PTHREAD_MUTEX_INITIALIZER;
 static uint32_t polynomials[POLYNOMIAL_COUNT];

@@ -29,7 +29,7 @@ static inline __m256d words_unit(__m256i high, __m256i low)
     return _mm256_mul_pd(sum, _mm256_set1_pd(0x1p-53));
 }
 
-#include "worker/sampling/uniform_wide.h"
+#include "common/sampling/uniform_wide.h"
 
 void uniform_avx2(const struct sampling *sampling, uint32_t variable, uint32_t first,
                   double *restrict even, double *restrict odd)

@@ -1,9 +1,9 @@
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 #include "common/numeric/random.h"
-#include "worker/sampling/sobol.h"
-#include "worker/sampling/stratum.h"
-#include "worker/sampling/uniform.h"
+#include "common/sampling/sobol.h"
+#include "common/sampling/stratum.h"
+#include "common/sampling/uniform.h"
 
 #include <assert.h>
 

@@ -1,10 +1,10 @@
 // random_uniform() for many samples at once: one Philox block a sample gives two variables, and the
 // samples stand side by side in vector registers. Integer arithmetic and exact conversions only, so
 // every width gives the same bits; the widest that the processor has is chosen when first used.
-#ifndef SOBOX_WORKER_SAMPLING_UNIFORM_H
-#define SOBOX_WORKER_SAMPLING_UNIFORM_H
+#ifndef SOBOX_COMMON_SAMPLING_UNIFORM_H
+#define SOBOX_COMMON_SAMPLING_UNIFORM_H
 
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 enum { UNIFORM_BLOCK = 64 }; // samples made at once: whole vectors of every width
 

@@ -6,10 +6,10 @@
 // odd start gives a digital (0, m, 1)-sequence in each variable). All points of a step are
 // scrambled: a random digital shift and a random lower-triangular matrix (Matousek, 1998), keyed by
 // seed, step and variable, so that steps are independent and points are uniform one by one.
-#ifndef SOBOX_WORKER_SAMPLING_SOBOL_H
-#define SOBOX_WORKER_SAMPLING_SOBOL_H
+#ifndef SOBOX_COMMON_SAMPLING_SOBOL_H
+#define SOBOX_COMMON_SAMPLING_SOBOL_H
 
-#include "worker/sampling/sampling.h"
+#include "common/sampling/sampling.h"
 
 enum { SOBOL_BITS = 32 };
 

@@ -1,4 +1,4 @@
-#include "worker/sampling/stratum.h"
+#include "common/sampling/stratum.h"
 
 #include "common/numeric/random.h"
 
