@@ -439,7 +439,7 @@ static enum status show(const char *directory, struct error *error)
     if (status != STATUS_OK)
         return status;
     struct error undrawn = {0};
-    if (report_draw(directory, &(struct report_plot){.format = REPORT_SVG}, &undrawn) != STATUS_OK)
+    if (report_draw(directory, &(struct report_plot){.format = PICTURE_SVG}, &undrawn) != STATUS_OK)
         log_note("no picture: %s", undrawn.text);
     return report_print(directory, &(struct report_table){0}, stdout, error);
 }

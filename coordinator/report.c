@@ -4,6 +4,7 @@
 #include "common/base/log.h"
 #include "common/base/options.h"
 #include "common/base/streams.h"
+#include "common/plot/picture.h"
 
 #include <glib.h>
 #include <glib/gstdio.h>
@@ -67,20 +68,6 @@ static void options_fini(struct options *options)
     g_free(options->units);
 }
 
-// The format that a file's ending asks for; false when it is none of ours.
-static bool format_of(const char *path, enum report_format *format)
-{
-    for (int i = REPORT_SVG; i <= REPORT_PDF; i++) {
-        char ending[8];
-        g_snprintf(ending, sizeof ending, ".%s", report_format_name((enum report_format)i));
-        if (g_str_has_suffix(path, ending)) {
-            *format = (enum report_format)i;
-            return true;
-        }
-    }
-    return false;
-}
-
 static enum status check_folder(const char *directory, struct error *error)
 {
     if (!g_file_test(directory, G_FILE_TEST_IS_DIR))
@@ -118,7 +105,7 @@ static enum status check_curves(const struct options *options, struct error *err
 
 static enum status options_check(const struct options *options, struct error *error)
 {
-    enum report_format format;
+    enum picture_format format;
     if (options->directory == NULL)
         return error_set(error, STATUS_INVALID,
                          "no run folder: expected sobox-report DIR (see --help)");
@@ -126,7 +113,8 @@ static enum status options_check(const struct options *options, struct error *er
         return error_set(error, STATUS_INVALID, "--search %d: expected 0 or more", options->search);
     if (check_curves(options, error) != STATUS_OK)
         return STATUS_INVALID;
-    if (options->out != NULL && options->export == NULL && !format_of(options->out, &format))
+    if (options->out != NULL && options->export == NULL &&
+        !picture_format_of(options->out, &format))
         return error_set(error, STATUS_INVALID,
                          "--out %s: expected a file name that ends in .svg, .png or .pdf",
                          options->out);
@@ -234,7 +222,7 @@ static bool exports_due(const char *directory)
 // ---- pictures ----
 
 // Of a sweep its cases over each other, its volumes, or both; else the corridors of one search.
-static enum status draw(const struct options *options, enum report_format format,
+static enum status draw(const struct options *options, enum picture_format format,
                         struct error *error)
 {
     const struct report_plot plot = {.format = format,
@@ -275,14 +263,14 @@ static enum status write_documents(const struct options *options, struct error *
 
 static enum status draw_all(const struct options *options, struct error *error)
 {
-    enum report_format format;
-    if (options->out != NULL && format_of(options->out, &format))
+    enum picture_format format;
+    if (options->out != NULL && picture_format_of(options->out, &format))
         return draw(options, format, error);
-    enum status status = draw(options, REPORT_SVG, error);
+    enum status status = draw(options, PICTURE_SVG, error);
     if (status == STATUS_OK && options->png)
-        status = draw(options, REPORT_PNG, error);
+        status = draw(options, PICTURE_PNG, error);
     if (status == STATUS_OK && options->pdf)
-        status = draw(options, REPORT_PDF, error);
+        status = draw(options, PICTURE_PDF, error);
     return status;
 }
 

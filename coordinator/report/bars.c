@@ -1,5 +1,6 @@
 #include "coordinator/report/bars.h"
 
+#include "common/plot/gnuplot.h"
 #include "coordinator/report/page.h"
 
 #include <inttypes.h>
@@ -155,7 +156,7 @@ static void put_names(GString *script, const struct figure *figure, const GArray
     g_string_append(script, "set ytics noenhanced (");
     for (uint32_t row = 0; row < rows->len; row++) {
         char *shortened = g_strndup(row_name(figure, rows, row), NAME_LENGTH_MAX);
-        char *name = page_quoted(shortened);
+        char *name = gnuplot_quoted(shortened);
         g_string_append_printf(script, "%s%s %" PRIu32, row > 0 ? ", " : "", name, row + 1);
         g_free(name);
         g_free(shortened);

@@ -1,5 +1,6 @@
 #include "coordinator/report/curves.h"
 
+#include "common/base/plain.h"
 #include "coordinator/report/number.h"
 
 #include <assert.h>
@@ -86,9 +87,8 @@ static void each_curve(const struct curves *curves, GString *text, curve_writer 
 static void put_comments(GString *text, const struct curves *curves, const char *mark)
 {
     const struct journal_search *record = &curves->search->record;
-    char *run = report_name_plain(curves->run_name),
-         *name = report_name_plain(curves->search->name);
-    char *status = report_name_plain(curves->search->status);
+    char *run = plain_text(curves->run_name), *name = plain_text(curves->search->name);
+    char *status = plain_text(curves->search->status);
     g_string_append_printf(text, "%s Force over deformation, made by sobox %s\n", mark,
                            curves->version);
     g_string_append_printf(text, "%s run %s, search %s, %s\n", mark, run, name, status);

@@ -1,5 +1,6 @@
 // result.json, corridors.csv, history.csv and, of a sweep, summary.csv. They are written side by
 // side, one search after the other, so that a sweep of any size costs the memory of one search.
+#include "common/base/plain.h"
 #include "common/base/whole_file.h"
 #include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
@@ -64,7 +65,7 @@ static void history_rows(FILE *csv, uint32_t index, const struct run_data_search
 // A cell that may hold anything.
 static void csv_text(FILE *csv, const char *text)
 {
-    char *plain = report_name_plain(text);
+    char *plain = plain_text(text);
     if (strpbrk(plain, ",\"") == NULL) {
         fputs(plain, csv);
     } else {

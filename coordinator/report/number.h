@@ -1,4 +1,4 @@
-// Numbers and names as text, the same in every locale.
+// Numbers as text, the same in every locale.
 #ifndef SOBOX_COORDINATOR_REPORT_NUMBER_H
 #define SOBOX_COORDINATOR_REPORT_NUMBER_H
 
@@ -12,9 +12,5 @@ const char *number_exact(double value, char text[NUMBER_SIZE]);
 
 // A count with commas between thousands: "42,300". Returns `text`.
 const char *number_count(uint64_t value, char text[NUMBER_SIZE]);
-
-// A copy of a name without control characters, which could steer a terminal or end a line of a
-// script. The caller frees it.
-char *report_name_plain(const char *name);
 
 #endif

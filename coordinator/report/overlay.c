@@ -1,5 +1,6 @@
 #include "coordinator/report/overlay.h"
 
+#include "common/plot/gnuplot.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/page.h"
 
@@ -100,7 +101,7 @@ static void put_panel(GString *script, const struct overlay *overlay, uint32_t r
     }
     char *title = g_strdup_printf("%s, %s force", spring,
                                   direction == SCENARIO_DIRECTION_X ? "axial" : "lateral");
-    char *quoted = page_quoted(title);
+    char *quoted = gnuplot_quoted(title);
     g_string_append_printf(script,
                            "set title %s noenhanced offset 0, -0.4\n"
                            "set xlabel 'deformation%s' offset 0, 0.5\nset ylabel 'F_%s%s'\n%s\n",
@@ -115,7 +116,7 @@ static void put_panel(GString *script, const struct overlay *overlay, uint32_t r
 static void put_text(GString *script, const char *text, double x, double y, double height,
                      const char *style)
 {
-    char *string = page_quoted(text);
+    char *string = gnuplot_quoted(text);
     g_string_append_printf(script, "set label %s at screen %.5f, screen %.5f noenhanced %s\n",
                            string, x / PAGE_WIDTH, 1 - y / height, style);
     g_free(string);

@@ -1,5 +1,7 @@
 #include "coordinator/report/page.h"
 
+#include "common/plot/gnuplot.h"
+#include "common/plot/picture.h"
 #include "coordinator/report/number.h"
 
 #include <inttypes.h>
@@ -7,25 +9,6 @@
 #include <string.h>
 
 // ---- words ----
-
-// A gnuplot string that is only ever text. Names may come from anywhere, so every ASCII character
-// that could mean something to gnuplot (quotes, backquotes, backslashes, '@', '$', ...) is written
-// as its octal code. Doubling quotes in a single-quoted string would not do: gnuplot 5.4 takes a
-// string that begins with a quote for an empty one.
-char *page_quoted(const char *text)
-{
-    char *plain = report_name_plain(text);
-    GString *string = g_string_new("\"");
-    for (const char *c = plain; *c != '\0'; c++) {
-        if ((*c & 0x80) != 0 || g_ascii_isalnum(*c) || strchr(" .,:;-_%()+=", *c) != NULL)
-            g_string_append_c(string, *c);
-        else
-            g_string_append_printf(string, "\\%03o", (unsigned char)*c);
-    }
-    g_string_append_c(string, '"');
-    g_free(plain);
-    return g_string_free(string, FALSE);
-}
 
 static char *title_text(const struct figure *figure)
 {
@@ -69,36 +52,14 @@ int page_top(const struct figure *figure)
 
 void page_begin(GString *script, const struct figure *figure, int height)
 {
-    char *stem = page_quoted(figure->stem);
-    g_string_append_printf(
-        script,
-        "# Force-deformation corridors, drawn by sobox-report. To change the picture, edit this\n"
-        "# script and run, in its folder,\n"
-        "#     gnuplot SCRIPT                      for SVG\n"
-        "#     gnuplot -e \"format='png'\" SCRIPT    for PNG or, with 'pdf', PDF\n"
-        "reset\n"
-        "set encoding utf8\n"
-        "if (!exists('format')) format = 'svg'\n"
-        "if (!exists('output')) output = %s . '.' . format\n"
-        "width = %d.0 # [pixels]\n"
-        "height = %d.0\n"
-        "if (format eq 'png') {\n"
-        "    points = 9.0\n"
-        "    set terminal pngcairo size 2 * width, 2 * height font 'sans-serif,9' \\\n"
-        "        fontscale 2 linewidth 2 pointscale 2\n"
-        "} else { if (format eq 'pdf') {\n"
-        "    points = 9.0\n"
-        "    set terminal pdfcairo size width / 96, height / 96 font 'sans-serif,9' \\\n"
-        "        fontscale 1 linewidth 1.5 pointscale 0.75\n"
-        "} else {\n"
-        "    points = 12.0 # SVG's are pixels\n"
-        "    set terminal svg size width, height name 'corridors' \\\n"
-        "        font 'sans-serif,12' background '#ffffff'\n"
-        "}}\n"
-        "heading = sprintf('sans-serif,%%.1f', 1.4 * points)\n"
-        "if (output ne '') set output output\n\n",
-        stem, PAGE_WIDTH, height);
-    g_free(stem);
+    const struct picture_page page = {
+        .what = "Force-deformation corridors, drawn by sobox-report",
+        .name = "corridors",
+        .stem = figure->stem,
+        .width = PAGE_WIDTH,
+        .height = height,
+    };
+    picture_begin(script, &page);
 }
 
 // Okabe and Ito's colours stay apart for colour-blind readers: blue, and vermillion over it.
@@ -124,7 +85,7 @@ void page_style(GString *script)
 static void put_text(GString *script, const char *text, double x, double y, double height,
                      const char *style)
 {
-    char *string = page_quoted(text);
+    char *string = gnuplot_quoted(text);
     g_string_append_printf(script, "set label %s at screen %.5f, screen %.5f noenhanced %s\n",
                            string, x / PAGE_WIDTH, 1 - y / height, style);
     g_free(string);

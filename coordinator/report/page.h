@@ -22,9 +22,6 @@ enum {
 // The colours of up to eight curves of one kind, after Okabe and Ito, as a line of a script.
 #define PAGE_COLOURS "colours = '#0072b2 #d55e00 #009e73 #cc79a7 #e69f00 #56b4e9 #000000 #999933'\n"
 
-// A text as a gnuplot string that is only ever text. The caller frees it.
-char *page_quoted(const char *text);
-
 // Where the panels begin [pixels from the top].
 int page_top(const struct figure *figure);
 

@@ -1,23 +1,12 @@
 #include "coordinator/report/plot.h"
-#include "common/base/whole_file.h"
+#include "common/plot/gnuplot.h"
+#include "common/plot/picture.h"
 #include "coordinator/report/bars.h"
 #include "coordinator/report/figure.h"
-#include "coordinator/report/gnuplot.h"
 #include "coordinator/report/run_data.h"
 
-#include <assert.h>
-#include <glib/gstdio.h>
 #include <inttypes.h>
 #include <string.h>
-#include <unistd.h>
-
-const char *report_format_name(enum report_format format)
-{
-    static const char *const NAMES[] = {
-        [REPORT_SVG] = "svg", [REPORT_PNG] = "png", [REPORT_PDF] = "pdf"};
-    assert(format < G_N_ELEMENTS(NAMES));
-    return NAMES[format];
-}
 
 // ---- what is drawn ----
 
@@ -96,7 +85,7 @@ char *plot_output(const char *directory, const char *name, const struct report_p
         return g_strdup(plot->output);
     char *file =
         g_strdup_printf("%s%s%s.%s", name, plot->compare != NULL ? "-compared" : "",
-                        plot->normalise ? "-normalised" : "", report_format_name(plot->format));
+                        plot->normalise ? "-normalised" : "", picture_format_name(plot->format));
     char *path = g_build_filename(directory, file, NULL);
     g_free(file);
     return path;
@@ -110,79 +99,16 @@ static char *corridors_output(const char *directory, const struct report_plot *p
     return plot_output(directory, name, plot);
 }
 
-// The path without its ending: "run/corridors" of "run/corridors.svg".
-static char *path_stem(const char *path)
+static enum status draw_figure(struct figure *figure, const char *output,
+                               enum picture_format format, struct error *error)
 {
-    char *stem = g_strdup(path);
-    char *dot = strrchr(stem, '.'), *slash = strrchr(stem, G_DIR_SEPARATOR);
-    if (dot != NULL && dot > (slash != NULL ? slash + 1 : stem))
-        *dot = '\0';
-    return stem;
-}
-
-char *plot_stem(const char *output)
-{
-    char *path = path_stem(output), *stem = g_path_get_basename(path);
-    g_free(path);
-    return stem;
-}
-
-enum status plot_write(const char *script, const char *output, enum report_format format,
-                       struct error *error)
-{
-    char *path = path_stem(output), *script_path = g_strconcat(path, ".gp", NULL);
-    GBytes *picture = NULL;
-    enum status status = whole_file_write(script_path, script, strlen(script), error);
-    if (status == STATUS_OK)
-        status = gnuplot_run(script_path, report_format_name(format), &picture, error);
-    if (status == STATUS_OK)
-        status = whole_file_write(output, g_bytes_get_data(picture, NULL),
-                                  g_bytes_get_size(picture), error);
-    g_clear_pointer(&picture, g_bytes_unref);
-    g_free(script_path);
-    g_free(path);
-    return status;
-}
-
-// gnuplot takes a script from a file only where it may also be run by hand; this one goes again.
-enum status plot_inline(const char *script, char **svg, struct error *error)
-{
-    GError *failure = NULL;
-    char *path = NULL;
-    *svg = NULL;
-    const int file = g_file_open_tmp("sobox-report-XXXXXX.gp", &path, &failure);
-    if (file < 0) {
-        error_set(error, STATUS_IO, "%s", failure->message);
-        g_error_free(failure);
-        return STATUS_IO;
-    }
-    close(file);
-    GBytes *picture = NULL;
-    enum status status = whole_file_write(path, script, strlen(script), error);
-    if (status == STATUS_OK)
-        status = gnuplot_run(path, "svg", &picture, error);
-    if (status == STATUS_OK) {
-        char *text = g_strndup(g_bytes_get_data(picture, NULL), g_bytes_get_size(picture));
-        const char *element = strstr(text, "<svg");
-        *svg = g_strdup(element != NULL ? element : text);
-        g_free(text);
-    }
-    g_clear_pointer(&picture, g_bytes_unref);
-    g_unlink(path);
-    g_free(path);
-    return status;
-}
-
-static enum status draw_figure(struct figure *figure, const char *output, enum report_format format,
-                               struct error *error)
-{
-    char *stem = plot_stem(output);
+    char *stem = picture_stem(output);
     figure->stem = stem;
     // Two runs of which one has no springs have variables in common at best.
     const bool springs = figure->search->scenario.spring_count > 0 &&
                          (figure->other == NULL || figure->other->scenario.spring_count > 0);
     char *script = springs ? figure_script(figure) : bars_script(figure);
-    enum status status = plot_write(script, output, format, error);
+    enum status status = picture_write(script, output, format, error);
     g_free(script);
     g_free(stem);
     return status;

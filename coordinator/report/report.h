@@ -5,18 +5,14 @@
 #define SOBOX_COORDINATOR_REPORT_REPORT_H
 
 #include "common/base/error.h"
+#include "common/plot/picture.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
-enum report_format { REPORT_SVG, REPORT_PNG, REPORT_PDF };
-
-// The ending of a format's files: "svg", "png", "pdf".
-const char *report_format_name(enum report_format format);
-
 struct report_plot {
-    enum report_format format;
+    enum picture_format format;
     uint32_t search;     // index of the search to draw; 0 unless the run is a sweep
     const char *compare; // second run folder, its first search drawn over this one, or NULL
     bool normalise; // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown

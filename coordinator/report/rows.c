@@ -1,5 +1,6 @@
 #include "coordinator/report/rows.h"
 
+#include "common/base/plain.h"
 #include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 
@@ -18,8 +19,8 @@ static void take(struct rows *rows, uint32_t index, const struct run_data_search
     const bool certified = record->finished && record->purity_samples > 0;
     rows->items[index] = (struct rows_row){
         .index = index,
-        .name = report_name_plain(search->name),
-        .status = report_name_plain(search->status),
+        .name = plain_text(search->name),
+        .status = plain_text(search->status),
         .values = g_strdupv(search->values),
         .log_volume = search->box != NULL ? search->log_volume : NAN,
         .purity_lower95 = certified ? record->purity_lower95 : NAN,
@@ -65,8 +66,8 @@ enum status rows_read(struct rows *rows, const char *directory, struct error *er
         return error_set(error, STATUS_INVALID, "%s: not a sweep: it has one search and no axes",
                          directory);
     }
-    rows->name = report_name_plain(data.run.name);
-    rows->version = report_name_plain(data.run.version);
+    rows->name = plain_text(data.run.name);
+    rows->version = plain_text(data.run.version);
     rows->axes = g_strdupv(data.axes);
     rows->axis_count = g_strv_length(data.axes);
     rows->items = g_new0(struct rows_row, data.run.search_count);

@@ -1,5 +1,6 @@
 // The pictures and documents of a sweep.
 #include "common/base/whole_file.h"
+#include "common/plot/picture.h"
 #include "coordinator/report/document.h"
 #include "coordinator/report/overlay.h"
 #include "coordinator/report/plot.h"
@@ -103,8 +104,8 @@ enum status report_draw_cases(const char *directory, const char *pattern,
         const struct report_plot named = {
             .format = plot->format, .normalise = plot->normalise, .output = plot->output};
         char *output = plot_output(directory, "cases", &named);
-        char *stem = plot_stem(output), *script = chosen_script(&chosen, stem, plot->normalise);
-        status = plot_write(script, output, plot->format, error);
+        char *stem = picture_stem(output), *script = chosen_script(&chosen, stem, plot->normalise);
+        status = picture_write(script, output, plot->format, error);
         g_free(script);
         g_free(stem);
         g_free(output);
@@ -165,10 +166,10 @@ enum status report_draw_volume(const char *directory, const char *against,
     // Volumes are shares already.
     const struct report_plot named = {.format = plot->format, .output = plot->output};
     char *output = plot_output(directory, "volume", &named);
-    char *stem = plot_stem(output), *script = NULL;
+    char *stem = picture_stem(output), *script = NULL;
     status = volume_script(&rows, against, stem, &script, error);
     if (status == STATUS_OK)
-        status = plot_write(script, output, plot->format, error);
+        status = picture_write(script, output, plot->format, error);
     g_free(script);
     g_free(stem);
     g_free(output);
@@ -199,7 +200,7 @@ static void picture_fini(gpointer element)
 // A file beside the document, called after it: "masses-1.svg" of "masses.md".
 static char *picture_path(const struct making *making)
 {
-    char *folder = g_path_get_dirname(making->path), *stem = plot_stem(making->path);
+    char *folder = g_path_get_dirname(making->path), *stem = picture_stem(making->path);
     char *name = g_strdup_printf("%s-%u.svg", stem, making->pictures->len + 1);
     char *path = g_build_filename(folder, name, NULL);
     g_free(name);
@@ -215,11 +216,11 @@ static enum status add_picture(struct making *making, const char *title, char *s
     struct document_picture picture = {.title = g_strdup(title)};
     enum status status;
     if (making->html) {
-        status = plot_inline(script, &picture.svg, error);
+        status = picture_inline(script, &picture.svg, error);
     } else {
         char *path = picture_path(making);
         picture.file = g_path_get_basename(path);
-        status = plot_write(script, path, REPORT_SVG, error);
+        status = picture_write(script, path, PICTURE_SVG, error);
         g_free(path);
     }
     g_free(script);

@@ -1,4 +1,5 @@
 // The table for the terminal: at most 80 columns, no drawing characters.
+#include "common/base/plain.h"
 #include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
@@ -233,8 +234,7 @@ static void print_search(const struct run_data_search *search, const struct repo
                          FILE *out)
 {
     const bool normalise = table->normalise;
-    char *name = report_name_plain(search->name),
-         *status = report_name_plain(status_meaning(search->status));
+    char *name = plain_text(search->name), *status = plain_text(status_meaning(search->status));
     print_title(search, name, out);
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
         print_spring(search, i, normalise, out);
@@ -266,7 +266,7 @@ static void print_search(const struct run_data_search *search, const struct repo
 // One line a search: their tables would bury each other.
 static void print_line(const struct run_data_search *search, uint32_t index, int width, FILE *out)
 {
-    char *name = report_name_plain(search->name), *status = report_name_plain(search->status);
+    char *name = plain_text(search->name), *status = plain_text(search->status);
     char evaluations[NUMBER_SIZE];
     fprintf(out, "%5" PRIu32 " %-*.*s %-14.14s", index, width, width, name, status);
     if (search->box != NULL)
@@ -288,7 +288,7 @@ enum { LINES_MAX = 60, LINES_END = 10 }; // of a long sweep the first ones and t
 // a line.
 static enum status print_lines(const struct run_data *data, FILE *out, struct error *error)
 {
-    char *name = report_name_plain(data->run.name);
+    char *name = plain_text(data->run.name);
     const uint32_t count = data->run.search_count;
     int width = 24;
     enum status status = STATUS_OK;

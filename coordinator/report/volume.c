@@ -1,5 +1,6 @@
 #include "coordinator/report/volume.h"
 
+#include "common/plot/gnuplot.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/page.h"
 
@@ -70,7 +71,7 @@ static void put_tics(GString *script, char direction, const struct scale *scale)
                                         scale->values[i]),
                                   scale->values[i])
                 : g_strdup(scale->values[i]);
-        char *label = page_quoted(cut);
+        char *label = gnuplot_quoted(cut);
         g_string_append_printf(script, "%s%s %" PRIu32, i > 0 ? ", " : "", label, i);
         g_free(label);
         g_free(cut);
@@ -80,7 +81,7 @@ static void put_tics(GString *script, char direction, const struct scale *scale)
 
 static void put_label(GString *script, const char *what, const char *text, const char *more)
 {
-    char *label = page_quoted(text);
+    char *label = gnuplot_quoted(text);
     g_string_append_printf(script, "set %s %s noenhanced %s\n", what, label, more);
     g_free(label);
 }
@@ -166,7 +167,7 @@ static void put_plot(GString *script, const GPtrArray *labels, const struct scal
     else
         g_string_append(script, "set offsets 0.4, 0.4, graph 0.08, graph 0.05\nplot ");
     for (guint i = 0; i < labels->len; i++) {
-        char *label = page_quoted(labels->pdata[i]);
+        char *label = gnuplot_quoted(labels->pdata[i]);
         g_string_append_printf(script,
                                "%s$dots_%u using 1:2 with points lc rgb word(colours, %u) pt 7 "
                                "ps 0.5 notitle, \\\n    $line_%u using 1:2 with linespoints lc rgb "

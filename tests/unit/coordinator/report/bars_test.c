@@ -1,4 +1,5 @@
 // Reports of scenarios without springs, and of cases.
+#include "common/plot/picture.h"
 #include "sample_run.h"
 
 #include "coordinator/report/report.h"
@@ -71,7 +72,7 @@ static void table_has_a_line_a_variable(void **state)
 static void picture_has_a_bar_a_variable(void **state)
 {
     sample_run(*state, FORMULA, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     char *picture = file_text(*state, "corridors.svg");
     static const char *const PARTS[] = {"F1",
                                         "F2",
@@ -89,7 +90,7 @@ static void picture_has_a_bar_a_variable(void **state)
 static void normalised_picture_holds_no_numbers(void **state)
 {
     sample_run(*state, FORMULA, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG, .normalise = true});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG, .normalise = true});
     static const char *const FILES[] = {"corridors-normalised.svg", "corridors-normalised.gp"};
     for (size_t i = 0; i < G_N_ELEMENTS(FILES); i++) {
         char *text = file_text(*state, FILES[i]);
@@ -113,14 +114,14 @@ static void variables_of_one_name_are_compared(void **state)
                "constraints: {distance: {max: 0}}\n",
                1, SAMPLE_DONE);
     sample_run(springs, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG, .compare = other});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG, .compare = other});
     char *picture = file_text(*state, "corridors-compared.svg");
     assert_contains(picture, "sections and other");
     assert_contains(picture, "750000"); // the other run's
     assert_null(strstr(picture, "mass"));
     struct error error = {0};
     assert_int_equal(report_draw(*state,
-                                 &(struct report_plot){.format = REPORT_SVG, .compare = springs},
+                                 &(struct report_plot){.format = PICTURE_SVG, .compare = springs},
                                  &error),
                      STATUS_INVALID);
     assert_contains(error.text, "none of its variables (front.force_x[0], ...) has the name of one "
@@ -138,7 +139,7 @@ static void many_variables_fit_a_page(void **state)
         g_string_append_printf(text, "- {name: variable-%d, lower: 0, upper: 1}\n", i);
     g_string_append(text, "constraints: {distance: {max: 0}}\n");
     sample_run(*state, text->str, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     char *script = file_text(*state, "corridors.gp");
     assert_null(strstr(script, "variable-5"));
     assert_contains(script, "height = 2086.0");

@@ -1,3 +1,4 @@
+#include "common/base/plain.h"
 #include "sample_run.h"
 
 #include "coordinator/report/number.h"
@@ -66,7 +67,7 @@ static void counts_are_grouped(void **state)
 static void names_lose_their_control_characters(void **state)
 {
     (void)state;
-    char *name = report_name_plain("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
+    char *name = plain_text("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
     assert_string_equal(name, "a?[2J?b \xc3\xa9 ? ?");
     g_free(name);
 }

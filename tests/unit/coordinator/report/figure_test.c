@@ -1,3 +1,4 @@
+#include "common/plot/picture.h"
 #include "sample_run.h"
 
 #include "coordinator/report/report.h"
@@ -80,7 +81,7 @@ static char *subfolder(const char *folder, const char *name)
 static void svg_has_a_panel_for_each_spring_and_direction(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     struct picture picture = picture_read(*state, "corridors.svg");
     static const char *const TITLES[] = {"front, axial force\n", "front, lateral force\n",
                                          "rail, axial force\n", "rail, lateral force\n"};
@@ -99,7 +100,7 @@ static void svg_has_a_panel_for_each_spring_and_direction(void **state)
 static void script_runs_by_hand(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     char *ours = file_text(*state, "corridors.svg");
     char *path = g_build_filename(*state, "corridors.svg", NULL);
     assert_int_equal(unlink(path), 0);
@@ -119,13 +120,13 @@ static void script_runs_by_hand(void **state)
 static void other_formats_are_drawn(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_PDF});
+    draw(*state, &(struct report_plot){.format = PICTURE_PDF});
     char *pdf = file_text(*state, "corridors.pdf");
     assert_memory_equal(pdf, "%PDF-", 5);
     g_free(pdf);
     char *elsewhere = subfolder(*state, "else where");
     char *output = g_build_filename(elsewhere, "figure.png", NULL);
-    draw(*state, &(struct report_plot){.format = REPORT_PNG, .output = output});
+    draw(*state, &(struct report_plot){.format = PICTURE_PNG, .output = output});
     char *png = file_text(elsewhere, "figure.png");
     assert_memory_equal(png, "\x89PNG", 4);
     assert_true(file_exists(elsewhere, "figure.gp"));
@@ -141,7 +142,7 @@ static void hostile_names_stay_names(void **state)
     static const char NAME[] = "'\"; system(\"touch pwned\") # `touch pwned` @x <b> & {=x}_2^\\";
     char *yaml = g_strconcat("name: '", "'", NAME, "'\n", strchr(SAMPLE_SCENARIO, '\n') + 1, NULL);
     sample_run(*state, yaml, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     struct picture picture = picture_read(*state, "corridors.svg");
     assert_contains(picture.words, NAME);
     assert_false(file_exists(*state, "pwned"));
@@ -154,7 +155,7 @@ static void hostile_names_stay_names(void **state)
 static void normalised_figure_holds_no_numbers(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG, .normalise = true});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG, .normalise = true});
     struct picture picture = picture_read(*state, "corridors-normalised.svg");
     assert_int_equal(occurrences(picture.words, "deformation, normalised\n"), 4);
     assert_int_equal(occurrences(picture.words, "Fx, normalised\n"), 2);
@@ -181,7 +182,7 @@ static void compared_run_is_drawn_over_the_first(void **state)
     char **halves = g_strsplit(yaml, "response: any", 2);
     char *rotating = g_strjoinv("response: rotating", halves);
     sample_run(other, rotating, 1, SAMPLE_DONE);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG, .compare = other});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG, .compare = other});
     struct picture picture = picture_read(*state, "corridors-compared.svg");
     assert_contains(picture.words, "response: any ");
     assert_contains(picture.words, "response: rotating ");
@@ -232,7 +233,7 @@ static void senseless_requests_are_refused(void **state)
 static void empty_result_is_drawn_as_such(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_NO_GOOD_DESIGN);
-    draw(*state, &(struct report_plot){.format = REPORT_SVG});
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
     struct picture picture = picture_read(*state, "corridors.svg");
     assert_contains(picture.words, "no good design found");
     assert_int_equal(occurrences(picture.words, "front, axial force\n"), 1);
@@ -246,7 +247,7 @@ static void missing_gnuplot_names_the_remedy(void **state)
     char *path = g_strdup(g_getenv("PATH"));
     g_setenv("PATH", *state, TRUE);
     struct error error = {0};
-    enum status status = report_draw(*state, &(struct report_plot){.format = REPORT_SVG}, &error);
+    enum status status = report_draw(*state, &(struct report_plot){.format = PICTURE_SVG}, &error);
     g_setenv("PATH", path, TRUE);
     assert_int_equal(status, STATUS_FAILED);
     assert_contains(error.text, "apt-get install gnuplot-nox");
@@ -264,7 +265,7 @@ static void failing_gnuplot_is_quoted(void **state)
     char *path = g_strdup(g_getenv("PATH"));
     g_setenv("PATH", bin, TRUE);
     struct error error = {0};
-    enum status status = report_draw(*state, &(struct report_plot){.format = REPORT_SVG}, &error);
+    enum status status = report_draw(*state, &(struct report_plot){.format = PICTURE_SVG}, &error);
     g_setenv("PATH", path, TRUE);
     assert_int_equal(status, STATUS_FAILED);
     assert_contains(error.text, "out of ink");

@@ -1,4 +1,6 @@
-#include "coordinator/report/gnuplot.h"
+#include "common/plot/gnuplot.h"
+
+#include "common/base/plain.h"
 
 #include <gio/gio.h>
 #include <string.h>
@@ -58,4 +60,23 @@ enum status gnuplot_run(const char *script_path, const char *format, GBytes **pi
     g_clear_pointer(&said, g_bytes_unref);
     g_object_unref(gnuplot);
     return status;
+}
+
+// A gnuplot string that is only ever text. Names may come from anywhere, so every ASCII character
+// that could mean something to gnuplot (quotes, backquotes, backslashes, '@', '$', ...) is written
+// as its octal code. Doubling quotes in a single-quoted string would not do: gnuplot 5.4 takes a
+// string that begins with a quote for an empty one.
+char *gnuplot_quoted(const char *text)
+{
+    char *plain = plain_text(text);
+    GString *string = g_string_new("\"");
+    for (const char *c = plain; *c != '\0'; c++) {
+        if ((*c & 0x80) != 0 || g_ascii_isalnum(*c) || strchr(" .,:;-_%()+=", *c) != NULL)
+            g_string_append_c(string, *c);
+        else
+            g_string_append_printf(string, "\\%03o", (unsigned char)*c);
+    }
+    g_string_append_c(string, '"');
+    g_free(plain);
+    return g_string_free(string, FALSE);
 }
