@@ -210,6 +210,13 @@ enum status run_data_load(const struct run_data *data, uint32_t index,
     return error_set(error, STATUS_IO, "%s", reason.text);
 }
 
+void run_data_find_reach(struct run_data_search *search)
+{
+    search->reach = (struct reach){0};
+    if (search->box != NULL)
+        reach_find(&search->reach, &search->scenario, search->box, search->record.seed);
+}
+
 void run_data_release(struct run_data_search *search)
 {
     journal_search_fini(&search->record);

@@ -5,6 +5,7 @@
 
 #include "common/scenario/scenario.h"
 #include "coordinator/journal/journal.h"
+#include "coordinator/report/reach.h"
 #include "coordinator/search/explain.h"
 
 #include <glib.h>
@@ -48,6 +49,8 @@ struct run_data_search {
     // can be said: before there is a result, and where no good design was found.
     struct explain explain;
 
+    struct reach reach; // what of the corridors designs reach, after run_data_find_reach()
+
     struct box last_box; // the search's own, sampled last; count 0 before the first step
 
     // Of the last certificate, until it is known whether an explanation follows.
@@ -77,6 +80,11 @@ enum status run_data_open(struct run_data *data, const char *directory,
 enum status run_data_load(const struct run_data *data, uint32_t index,
                           struct run_data_search *search, struct error *error) MUST_USE;
 void run_data_release(struct run_data_search *search);
+
+// Finds what of its corridors designs reach, by simulating some thousand: for those who show the
+// corridors point by point. Before there is a box, or where the model has no springs, nothing is
+// known after it.
+void run_data_find_reach(struct run_data_search *search);
 
 // Whether the run was begun as a sweep: its searches are cases then.
 bool run_data_is_sweep(const struct run_data *data);

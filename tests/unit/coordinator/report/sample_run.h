@@ -34,6 +34,32 @@ static const char SAMPLE_SCENARIO[] = "name: sample\n"
                                       "response: any\n"
                                       "firewall_distance: 0.25\n";
 
+// A car that runs straight into a full barrier: its one spring stands before its COG, and pushes
+// with the same force from the first touch on, in the middle half of the design space 500 to 700
+// kN. Kinetic energy over force is the deformation: 0.377 to 0.528 m, so that every design passes
+// the point at 0.25 m, the weakest the one at 0.5 m, and none the one at 0.75 m. The barrier never
+// meets the other spring.
+#define SAMPLE_STOPPED_DEEPEST (1650 * 17.889 * 17.889 / 2 / 500e3) // [m]
+static const char SAMPLE_STOPPED[] = "name: stopped\n"
+                                     "vehicle: {mass: 1650, yaw_inertia: 3000, speed: 17.889,\n"
+                                     "          cog: [0.0, -0.75]}\n"
+                                     "barrier: {face_x: -2.08, edge_y: -0.455, overlap: 0.455}\n"
+                                     "springs:\n"
+                                     "  - name: front\n"
+                                     "    position: [-0.83, 0.0]\n"
+                                     "    deformation: [0.0, 0.25, 0.5, 0.75, 1.0]\n"
+                                     "    force_x: {lower: 400e3, upper: 800e3}\n"
+                                     "    force_y: {lower: 0, upper: 0}\n"
+                                     "  - name: idle\n"
+                                     "    position: [0.4, 0.0]\n"
+                                     "    length: 0.5\n"
+                                     "    deformation: [0.0, 0.4]\n"
+                                     "    force_x: {lower: 0, upper: 80e3}\n"
+                                     "    force_y: {lower: 0, upper: 80e3}\n"
+                                     "simulation: {integrator: event_verlet}\n"
+                                     "response: any\n"
+                                     "firewall_distance: 0.25\n";
+
 enum sample_end { SAMPLE_UNTOUCHED, SAMPLE_UNFINISHED, SAMPLE_DONE, SAMPLE_NO_GOOD_DESIGN };
 
 static inline int folder_make(void **state)
