@@ -35,6 +35,14 @@ static void corridor_place(FILE *csv, uint32_t index, const struct scenario *sce
     csv_number(csv, spring->deformation[variable->point]);
 }
 
+// Of a variable that is no spring's force it is not known what it means in a crash.
+static const char *reach_word(const struct run_data_search *search, uint32_t variable)
+{
+    if (search->reach.spring_count == 0)
+        return "";
+    return reach_variable(&search->reach, &search->scenario, variable) ? "yes" : "no";
+}
+
 static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
@@ -44,7 +52,7 @@ static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_searc
         csv_number(csv, search->box->upper[i]);
         csv_number(csv, scenario->design_space.lower[i]);
         csv_number(csv, scenario->design_space.upper[i]);
-        fputc('\n', csv);
+        fprintf(csv, ",%s\n", reach_word(search, i));
     }
 }
 
@@ -208,11 +216,32 @@ static json_t *json_variables(const struct run_data_search *search)
             json_place(object, scenario, variable);
         json_object_set_new(object, "design", json_interval(&scenario->design_space, i));
         json_object_set_new(object, "corridor", json_interval(search->box, i));
+        if (search->reach.spring_count > 0)
+            json_object_set_new(object, "reached",
+                                json_boolean(reach_variable(&search->reach, &search->scenario, i)));
         json_object_set_new(object, "lower", holding_json_bound(search, i, false));
         json_object_set_new(object, "upper", holding_json_bound(search, i, true));
         json_array_append_new(variables, object);
     }
     return variables;
+}
+
+// Which designs were looked at, and how far they press each spring.
+static json_t *json_reach(const struct run_data_search *search)
+{
+    const struct scenario *scenario = &search->scenario;
+    if (search->reach.spring_count == 0)
+        return json_null();
+    json_t *springs = json_array();
+    for (uint32_t i = 0; i < scenario->spring_count; i++)
+        json_array_append_new(
+            springs, json_pack("{s:s, s:f, s:i, s:i}", "spring", scenario->springs[i].name,
+                               "deformation_max_m", search->reach.deformation_max[i], "points",
+                               (int)scenario->springs[i].point_count, "points_reached",
+                               (int)reach_points(&search->reach, scenario, i)));
+    return json_pack("{s:i, s:{s:i, s:i, s:i, s:i}, s:o}", "designs", (int)REACH_DESIGNS, "kinds",
+                     "points", (int)REACH_POINTS, "curves", (int)REACH_CURVES, "levels",
+                     (int)REACH_LEVELS, "bounds", (int)REACH_BOUNDS, "springs", springs);
 }
 
 static json_t *json_purity(const struct journal_search *record)
@@ -247,6 +276,7 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
         json_object_set_new(object, "case", json_case(data, search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
+    json_object_set_new(object, "reach", json_reach(search));
     json_object_set_new(object, "constraints", holding_json_constraints(search));
     if (record->blocking_constraint[0] != '\0') {
         json_object_set_new(object, "blocking_constraint",
@@ -330,7 +360,8 @@ static enum status exports_begin(struct exports *exports, struct error *error)
     if (status != STATUS_OK)
         return status;
     json_begin(exports->files[EXPORT_JSON].file, exports->data);
-    fputs("search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N\n",
+    fputs("search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N,"
+          "reached\n",
           exports->files[EXPORT_CORRIDORS].file);
     fputs("search,phase,step,samples,good,growth,log_volume\n",
           exports->files[EXPORT_HISTORY].file);
@@ -348,8 +379,10 @@ enum status report_write(const char *directory, struct error *error)
     for (uint32_t i = 0; i < data.run.search_count && status == STATUS_OK; i++) {
         struct run_data_search search;
         status = run_data_load(&data, i, &search, error);
-        if (status == STATUS_OK)
+        if (status == STATUS_OK) {
+            run_data_find_reach(&search);
             put_search(&exports, i, &search);
+        }
         run_data_release(&search);
     }
     if (status == STATUS_OK)

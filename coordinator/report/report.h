@@ -30,6 +30,11 @@ struct report_plot {
 // direction and deformation, their bounds in their own unit; in result.json they have neither
 // spring, direction nor deformation_m.
 //
+// Which points of a spring's corridor designs reach (reach.h) is the last column of corridors.csv,
+// yes, no or empty, and in result.json `reached` of a variable and `reach` of a search: null
+// without springs or corridors, else `designs`, `kinds` with the number of each, and `springs` with
+// `deformation_max_m`, `points` and `points_reached`.
+//
 // Besides what the design names, result.json has `non_finite`, the samples whose outcome was not
 // finite, and `blocking_constraint` where no good design was found. What is not known is null, and
 // a seed above 2^63 - 1, which JSON readers would round, is text. Errors: STATUS_IO, and those of

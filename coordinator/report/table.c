@@ -101,13 +101,26 @@ static void print_spring(const struct run_data_search *search, uint32_t index, b
             "F_y lower", "upper", "share");
     fprintf(out, "%12s %11s %9s %8s %11s %9s %8s\n", measures.deformation.unit, force_unit,
             force_unit, "[%]", force_unit, force_unit, "[%]");
+    const uint32_t reached = reach_points(&search->reach, &search->scenario, index);
     for (uint32_t k = 0; k < spring->point_count; k++) {
-        fprintf(out, "%12.3f", measured(&measures.deformation, spring->deformation[k]));
+        fprintf(out, "%c%11.3f", k < reached ? ' ' : '*',
+                measured(&measures.deformation, spring->deformation[k]));
         for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
             print_interval(search, run_data_variable(search, index, (enum scenario_direction)d, k),
                            &measures.force[d], out);
         fputc('\n', out);
     }
+}
+
+// What the marks mean, where there are any.
+static void print_reach(const struct run_data_search *search, FILE *out)
+{
+    char designs[NUMBER_SIZE];
+    if (!reach_everything(&search->reach, &search->scenario))
+        fprintf(out,
+                "\n* none of %s simulated designs of these corridors presses the spring so\n"
+                "  far that the force here plays a part\n",
+                number_count(REACH_DESIGNS, designs));
 }
 
 // ---- variables that are no spring's ----
@@ -238,6 +251,7 @@ static void print_search(const struct run_data_search *search, const struct repo
     print_title(search, name, out);
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
         print_spring(search, i, normalise, out);
+    print_reach(search, out);
     if (search->box != NULL && search->scenario.spring_count == 0)
         print_variables(search, normalise, out);
     if (table->bounds)
@@ -358,8 +372,10 @@ enum status report_print(const char *directory, const struct report_table *table
     } else {
         struct run_data_search search;
         status = run_data_load(&data, 0, &search, error);
-        if (status == STATUS_OK)
+        if (status == STATUS_OK) {
+            run_data_find_reach(&search);
             print_search(&search, table, out);
+        }
         run_data_release(&search);
     }
     if (status == STATUS_OK)

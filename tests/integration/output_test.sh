@@ -6,7 +6,7 @@ run_folder_holds_every_file()
     run 0 sobox-coordinator "$scenario" --out run
     expect_files run/run.db run/result.json run/corridors.csv run/history.csv run/corridors.svg
     expect_equal "$(head -n 1 run/corridors.csv)" \
-        search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N \
+        search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N,reached \
         'columns of corridors.csv'
     expect_equal "$(head -n 1 run/history.csv)" \
         search,phase,step,samples,good,growth,log_volume 'columns of history.csv'

@@ -40,10 +40,10 @@ static void csv_names_the_variable(void **state)
     assert_int_equal(report_write(*state, NULL), STATUS_OK);
     char *csv = file_text(*state, "corridors.csv");
     assert_string_equal(csv, "search,spring,direction,deformation_m,lower_N,upper_N,"
-                             "design_lower_N,design_upper_N\n"
-                             "0,F1,,,200000,400000,100000,500000\n"
-                             "0,F2,,,300000,500000,200000,600000\n"
-                             "0,mass,,,2000,2000,2000,2000\n");
+                             "design_lower_N,design_upper_N,reached\n"
+                             "0,F1,,,200000,400000,100000,500000,\n"
+                             "0,F2,,,300000,500000,200000,600000,\n"
+                             "0,mass,,,2000,2000,2000,2000,\n");
     g_free(csv);
 }
 

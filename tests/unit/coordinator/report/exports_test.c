@@ -2,9 +2,11 @@
 #include "sample_run.h"
 
 #include "coordinator/report/number.h"
+#include "coordinator/report/reach.h"
 #include "coordinator/report/report.h"
 
 #include <float.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,6 +15,16 @@ static void write_reports(const char *folder)
     struct error error = {0};
     if (report_write(folder, &error) != STATUS_OK)
         fail_msg("%s", error.text);
+}
+
+// result.json, to be released with json_decref().
+static json_t *read_json(const char *folder)
+{
+    char *text = file_text(folder, "result.json");
+    json_t *root = json_loads(text, 0, NULL);
+    assert_non_null(root);
+    g_free(text);
+    return root;
 }
 
 static void assert_file(const char *folder, const char *name, const char *expected)
@@ -81,15 +93,15 @@ static void csv_tables_are_golden(void **state)
     write_reports(*state);
     assert_file(*state, "corridors.csv",
                 "search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,"
-                "design_upper_N\n"
-                "0,front,x,0,15000,45000,0,60000\n"
-                "0,front,x,1.2,112500,337500,0,450000\n"
-                "0,front,y,0,62500,187500,0,250000\n"
-                "0,front,y,1.2,62500,187500,0,250000\n"
-                "0,rail,x,0.1,1000,1000,1000,1000\n"
-                "0,rail,x,0.9,3500,6500,2000,8000\n"
-                "0,rail,y,0.1,1000,3000,0,4000\n"
-                "0,rail,y,0.9,1000,3000,0,4000\n");
+                "design_upper_N,reached\n"
+                "0,front,x,0,15000,45000,0,60000,yes\n"
+                "0,front,x,1.2,112500,337500,0,450000,yes\n"
+                "0,front,y,0,62500,187500,0,250000,yes\n"
+                "0,front,y,1.2,62500,187500,0,250000,yes\n"
+                "0,rail,x,0.1,1000,1000,1000,1000,yes\n"
+                "0,rail,x,0.9,3500,6500,2000,8000,yes\n"
+                "0,rail,y,0.1,1000,3000,0,4000,yes\n"
+                "0,rail,y,0.9,1000,3000,0,4000,yes\n");
     assert_file(*state, "history.csv",
                 "search,phase,step,samples,good,growth,log_volume\n"
                 "0,seek,0,8,6,0,0\n"
@@ -142,7 +154,7 @@ static void unfinished_run_shows_its_last_box(void **state)
     assert_contains(json, "\"evaluations\": 16");
     g_free(json);
     char *csv = file_text(*state, "corridors.csv");
-    assert_contains(csv, "0,front,x,0,15000,45000,0,60000\n");
+    assert_contains(csv, "0,front,x,0,15000,45000,0,60000,yes\n");
     g_free(csv);
     char *table = printed(*state);
     assert_contains(table, "interrupted, can be resumed");
@@ -157,7 +169,7 @@ static void untouched_run_has_no_corridors(void **state)
     write_reports(*state);
     assert_file(*state, "corridors.csv",
                 "search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,"
-                "design_upper_N\n");
+                "design_upper_N,reached\n");
     char *json = file_text(*state, "result.json");
     assert_contains(json, "\"corridor\": null");
     assert_contains(json, "\"log_volume\": null");
@@ -238,6 +250,54 @@ static void summary_has_a_row_a_case(void **state)
     g_free(json);
 }
 
+// Points that no design of the box reaches are told as such, for each point and each spring.
+static void exports_tell_what_no_design_reaches(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_DONE);
+    write_reports(*state);
+    char *csv = file_text(*state, "corridors.csv");
+    assert_contains(csv, "\n0,front,x,0.75,500000,700000,400000,800000,yes\n"
+                         "0,front,x,1,500000,700000,400000,800000,no\n");
+    assert_contains(csv, "\n0,front,y,0.75,0,0,0,0,yes\n0,front,y,1,0,0,0,0,no\n");
+    assert_contains(csv, "\n0,idle,x,0,20000,60000,0,80000,no\n");
+    g_free(csv);
+    json_t *root = read_json(*state);
+    const json_t *search = json_array_get(json_object_get(root, "searches"), 0);
+    const json_t *reach = json_object_get(search, "reach");
+    const json_t *front = json_array_get(json_object_get(reach, "springs"), 0);
+    assert_int_equal(json_integer_value(json_object_get(reach, "designs")), REACH_DESIGNS);
+    json_int_t designs = 0;
+    const char *kind;
+    json_t *count;
+    json_object_foreach(json_object_get(reach, "kinds"), kind, count) designs +=
+        json_integer_value(count);
+    assert_int_equal(designs, REACH_DESIGNS);
+    assert_float_equal(json_real_value(json_object_get(front, "deformation_max_m")),
+                       SAMPLE_STOPPED_DEEPEST, 5e-3);
+    assert_int_equal(json_integer_value(json_object_get(front, "points_reached")), 4);
+    static const bool reached[] = {1, 1, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0};
+    const json_t *variables = json_object_get(search, "variables");
+    assert_int_equal(json_array_size(variables), G_N_ELEMENTS(reached));
+    for (size_t i = 0; i < G_N_ELEMENTS(reached); i++)
+        assert_true(json_is_boolean(json_object_get(json_array_get(variables, i), "reached")) &&
+                    json_is_true(json_object_get(json_array_get(variables, i), "reached")) ==
+                        reached[i]);
+    json_decref(root);
+}
+
+// A formula has no springs, and a search without a box no designs: of neither anything is claimed.
+static void nothing_is_told_of_reach_where_there_is_none(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_NO_GOOD_DESIGN);
+    write_reports(*state);
+    json_t *root = read_json(*state);
+    const json_t *search = json_array_get(json_object_get(root, "searches"), 0);
+    assert_true(json_is_null(json_object_get(search, "reach")));
+    const json_t *variable = json_array_get(json_object_get(search, "variables"), 0);
+    assert_null(json_object_get(variable, "reached"));
+    json_decref(root);
+}
+
 // A file that cannot be replaced is an error, and what stood there stays as it was.
 static void export_that_fails_leaves_the_old_one(void **state)
 {
@@ -289,6 +349,22 @@ static void table_is_golden(void **state)
     g_free(table);
 }
 
+// Rows that no design reaches bear a mark, and the table says below what it means.
+static void table_marks_what_no_design_reaches(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_DONE);
+    char *table = printed(*state);
+    assert_contains(table,
+                    "\n       0.750       500.0     700.0     50.0         0.0       0.0    fixed\n"
+                    "*      1.000       500.0     700.0     50.0         0.0       0.0    fixed\n");
+    assert_contains(
+        table, "\n*      0.000       20.00     60.00     50.0       20.00     60.00     50.0\n");
+    assert_contains(table,
+                    "\n* none of 2,048 simulated designs of these corridors presses the spring so\n"
+                    "  far that the force here plays a part\n");
+    g_free(table);
+}
+
 // A journal whose result does not fit its scenario is refused before anything is indexed by it.
 static void contradicting_journal_is_refused(void **state)
 {
@@ -323,8 +399,11 @@ int main(void)
         IN_FOLDER(held_variable_leaves_the_log_volume_finite),
         IN_FOLDER(searches_of_a_sweep_are_told_apart),
         IN_FOLDER(summary_has_a_row_a_case),
+        IN_FOLDER(exports_tell_what_no_design_reaches),
+        IN_FOLDER(nothing_is_told_of_reach_where_there_is_none),
         IN_FOLDER(export_that_fails_leaves_the_old_one),
         IN_FOLDER(table_is_golden),
+        IN_FOLDER(table_marks_what_no_design_reaches),
         IN_FOLDER(contradicting_journal_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
