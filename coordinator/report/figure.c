@@ -105,16 +105,27 @@ static double deformation_value(const struct figure *figure, const struct panel 
     return figure->normalise ? range_share(&panel->deformation, metre) : metre;
 }
 
-// "$corridor_1_x << END": deformation, lower and upper of a box of one panel.
+// Points of a spring, from `first` on and before `end`.
+struct points {
+    uint32_t first, end;
+};
+
+static struct points points_all(const struct run_data_search *search, const char *spring_name)
+{
+    return (struct points){
+        .end = search->scenario.springs[spring_find(search, spring_name)].point_count};
+}
+
+// "$corridor_1_x << END": deformation, lower and upper of points of a box of one panel.
 static void put_block(GString *script, const char *name, const struct figure *figure,
                       const struct panel *panel, const struct run_data_search *search,
-                      const struct box *box)
+                      const struct box *box, struct points points)
 {
     uint32_t index = spring_find(search, panel->spring_name);
     const struct scenario_spring *spring = &search->scenario.springs[index];
     g_string_append_printf(script, "$%s_%" PRIu32 "_%s << END\n", name, panel->row + 1,
                            scenario_direction_name(panel->direction));
-    for (uint32_t k = 0; k < spring->point_count; k++) {
+    for (uint32_t k = points.first; k < points.end; k++) {
         uint32_t variable = run_data_variable(search, index, panel->direction, k);
         char deformation[NUMBER_SIZE], lower[NUMBER_SIZE], upper[NUMBER_SIZE];
         number_exact(deformation_value(figure, panel, spring->deformation[k]), deformation);
@@ -130,14 +141,45 @@ static bool panel_compared(const struct figure *figure, const struct panel *pane
     return spring_shared(figure->other, panel->spring_name) && figure->other->box != NULL;
 }
 
+// The points of a corridor that designs reach.
+static struct points points_reached(const struct run_data_search *search, const char *spring_name)
+{
+    return (struct points){
+        .end = reach_points(&search->reach, &search->scenario, spring_find(search, spring_name))};
+}
+
+// The part behind them, which is hatched; empty where all are reached.
+static struct points points_beyond(const struct run_data_search *search, const char *spring_name)
+{
+    struct points points = points_all(search, spring_name);
+    points.first =
+        reach_beyond(&search->reach, &search->scenario, spring_find(search, spring_name));
+    return points;
+}
+
+// A corridor in its two parts, of which one may be missing.
+static void put_corridor(GString *script, const char *name, const struct figure *figure,
+                         const struct panel *panel, const struct run_data_search *search)
+{
+    char beyond[32];
+    g_snprintf(beyond, sizeof beyond, "%s_beyond", name);
+    const struct points reached = points_reached(search, panel->spring_name);
+    const struct points behind = points_beyond(search, panel->spring_name);
+    if (reached.end > 0)
+        put_block(script, name, figure, panel, search, search->box, reached);
+    if (behind.first < behind.end)
+        put_block(script, beyond, figure, panel, search, search->box, behind);
+}
+
 static void put_data(GString *script, const struct figure *figure, const struct panel *panel)
 {
     const struct run_data_search *search = figure->search;
-    put_block(script, "design", figure, panel, search, &search->scenario.design_space);
+    put_block(script, "design", figure, panel, search, &search->scenario.design_space,
+              points_all(search, panel->spring_name));
     if (search->box != NULL)
-        put_block(script, "corridor", figure, panel, search, search->box);
+        put_corridor(script, "corridor", figure, panel, search);
     if (panel_compared(figure, panel))
-        put_block(script, "compared", figure, panel, figure->other, figure->other->box);
+        put_corridor(script, "compared", figure, panel, figure->other);
 }
 
 // ---- words ----
@@ -212,14 +254,46 @@ static void put_curve(GString *script, const char *block, const struct panel *pa
                            style);
 }
 
-// The two bounds of a corridor; points mark the deformations at which the forces are free.
-static void put_bounds(GString *script, const char *block, const struct panel *panel,
-                       const char *colour)
+// How a corridor's parts are drawn, of the search itself or of the one it is compared with.
+struct ink {
+    const char *block, *colour, *hatch;
+};
+
+static const struct ink own_ink = {"corridor", "first", PAGE_HATCH};
+static const struct ink other_ink = {"compared", "second", PAGE_HATCH_OTHER};
+
+// The band between the bounds, hatched where no design comes.
+static void put_band(GString *script, const struct ink *ink, const struct panel *panel,
+                     const struct run_data_search *search)
 {
-    char style[64];
-    g_snprintf(style, sizeof style, "linespoints lc rgb %s lw 2 pt 7 ps 0.4", colour);
-    put_curve(script, block, panel, "1:2", style);
-    put_curve(script, block, panel, "1:3", style);
+    char style[96], beyond[32];
+    const struct points behind = points_beyond(search, panel->spring_name);
+    g_snprintf(style, sizeof style, "filledcurves lc rgb %s_fill", ink->colour);
+    g_snprintf(beyond, sizeof beyond, "%s_beyond", ink->block);
+    if (points_reached(search, panel->spring_name).end > 0)
+        put_curve(script, ink->block, panel, "1:2:3", style);
+    g_snprintf(style, sizeof style, "filledcurves fs transparent %s lc rgb %s_fill", ink->hatch,
+               ink->colour);
+    if (behind.first < behind.end)
+        put_curve(script, beyond, panel, "1:2:3", style);
+}
+
+// The two bounds of a corridor; points mark the deformations at which the forces are free.
+static void put_bounds(GString *script, const struct ink *ink, const struct panel *panel,
+                       const struct run_data_search *search)
+{
+    static const char *const bounds[] = {"1:2", "1:3"};
+    char style[96], beyond[32];
+    const struct points behind = points_beyond(search, panel->spring_name);
+    g_snprintf(beyond, sizeof beyond, "%s_beyond", ink->block);
+    for (size_t b = 0; b < G_N_ELEMENTS(bounds); b++) {
+        g_snprintf(style, sizeof style, "lines dt 2 lc rgb %s lw 1.5", ink->colour);
+        if (behind.first < behind.end)
+            put_curve(script, beyond, panel, bounds[b], style);
+        g_snprintf(style, sizeof style, "linespoints lc rgb %s lw 2 pt 7 ps 0.4", ink->colour);
+        if (points_reached(search, panel->spring_name).end > 0)
+            put_curve(script, ink->block, panel, bounds[b], style);
+    }
 }
 
 // Bands first, then lines, so that no band dims a line.
@@ -229,15 +303,15 @@ static void put_panel(GString *script, const struct figure *figure, const struct
     g_string_append(script, "plot [*:*] [*<0:0<*] NaN");
     put_curve(script, "design", panel, "1:2:3", "filledcurves lc rgb space");
     if (figure->search->box != NULL)
-        put_curve(script, "corridor", panel, "1:2:3", "filledcurves lc rgb first_fill");
+        put_band(script, &own_ink, panel, figure->search);
     if (panel_compared(figure, panel))
-        put_curve(script, "compared", panel, "1:2:3", "filledcurves lc rgb second_fill");
+        put_band(script, &other_ink, panel, figure->other);
     put_curve(script, "design", panel, "1:2", "lines lc rgb outline");
     put_curve(script, "design", panel, "1:3", "lines lc rgb outline");
     if (figure->search->box != NULL)
-        put_bounds(script, "corridor", panel, "first");
+        put_bounds(script, &own_ink, panel, figure->search);
     if (panel_compared(figure, panel))
-        put_bounds(script, "compared", panel, "second");
+        put_bounds(script, &other_ink, panel, figure->other);
     g_string_append(script, "\n");
 }
 

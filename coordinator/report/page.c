@@ -45,9 +45,17 @@ static char *legend_text(const struct run_data_search *search, const char *label
 
 // ---- the page ----
 
+// Whether some corridor of the picture has a part that no design reaches.
+static bool has_beyond(const struct figure *figure)
+{
+    const struct run_data_search *other = figure->other;
+    return !reach_everything(&figure->search->reach, &figure->search->scenario) ||
+           (other != NULL && !reach_everything(&other->reach, &other->scenario));
+}
+
 int page_top(const struct figure *figure)
 {
-    return PAGE_TOP + LEGEND_LINE * (figure->other != NULL ? 2 : 1);
+    return PAGE_TOP + LEGEND_LINE * (1 + (figure->other != NULL) + has_beyond(figure));
 }
 
 void page_begin(GString *script, const struct figure *figure, int height)
@@ -92,15 +100,15 @@ static void put_text(GString *script, const char *text, double x, double y, doub
 }
 
 // A sample of a band, its middle `y` pixels below the top.
-static void put_swatch(GString *script, double x, double y, double height, const char *fill,
-                       const char *line)
+static void put_swatch(GString *script, double x, double y, double height, const char *style,
+                       const char *fill, const char *line)
 {
     g_string_append_printf(script,
                            "set object rectangle front from screen %.5f, screen %.5f "
-                           "to screen %.5f, screen %.5f fs solid border lc rgb %s fc rgb %s\n",
+                           "to screen %.5f, screen %.5f fs %s border lc rgb %s fc rgb %s\n",
                            x / PAGE_WIDTH, 1 - (y + SWATCH_HEIGHT / 2.0) / height,
                            (x + SWATCH_WIDTH) / PAGE_WIDTH, 1 - (y - SWATCH_HEIGHT / 2.0) / height,
-                           line, fill);
+                           style, line, fill);
 }
 
 static void put_legend_line(GString *script, const struct run_data_search *search,
@@ -108,7 +116,18 @@ static void put_legend_line(GString *script, const struct run_data_search *searc
 {
     char fill[32], *text = legend_text(search, label);
     g_snprintf(fill, sizeof fill, "%s_fill", colour);
-    put_swatch(script, PAGE_EDGE, y, height, fill, colour);
+    put_swatch(script, PAGE_EDGE, y, height, "solid", fill, colour);
+    put_text(script, text, PAGE_EDGE + SWATCH_WIDTH + 10, y, height, "tc rgb '#404040'");
+    g_free(text);
+}
+
+// What the hatched parts are.
+static void put_beyond_line(GString *script, double y, double height)
+{
+    char designs[NUMBER_SIZE];
+    char *text = g_strdup_printf("hatched: reached by none of %s designs that were simulated",
+                                 number_count(REACH_DESIGNS, designs));
+    put_swatch(script, PAGE_EDGE, y, height, "transparent " PAGE_HATCH, "outline", "outline");
     put_text(script, text, PAGE_EDGE + SWATCH_WIDTH + 10, y, height, "tc rgb '#404040'");
     g_free(text);
 }
@@ -125,6 +144,8 @@ void page_heading(GString *script, const struct figure *figure, int page_height)
     if (figure->other != NULL)
         put_legend_line(script, figure->other, figure->other_label, "second", 58 + LEGEND_LINE,
                         height);
+    if (has_beyond(figure))
+        put_beyond_line(script, 58 + LEGEND_LINE * (figure->other != NULL ? 2 : 1), height);
     put_text(script, "design space", right, 28, height, "right tc rgb '#404040'");
-    put_swatch(script, right - 84 - SWATCH_WIDTH, 28, height, "space", "outline");
+    put_swatch(script, right - 84 - SWATCH_WIDTH, 28, height, "solid", "space", "outline");
 }

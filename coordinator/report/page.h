@@ -22,6 +22,11 @@ enum {
 // The colours of up to eight curves of one kind, after Okabe and Ito, as a line of a script.
 #define PAGE_COLOURS "colours = '#0072b2 #d55e00 #009e73 #cc79a7 #e69f00 #56b4e9 #000000 #999933'\n"
 
+// The fill of what no design reaches, of a search and of the one it is compared with: two slopes,
+// so that both are seen where they lie over each other.
+#define PAGE_HATCH "pattern 4"
+#define PAGE_HATCH_OTHER "pattern 5"
+
 // Where the panels begin [pixels from the top].
 int page_top(const struct figure *figure);
 

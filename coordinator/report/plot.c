@@ -21,6 +21,8 @@ static enum status load_search(struct run_data *data, const char *directory, uin
                            index, data->run.search_count - 1);
     if (status == STATUS_OK)
         status = run_data_load(data, index, search, error);
+    if (status == STATUS_OK)
+        run_data_find_reach(search);
     return status;
 }
 

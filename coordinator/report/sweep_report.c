@@ -39,7 +39,9 @@ static enum status chosen_load(struct chosen *chosen, const char *directory, con
     for (guint i = 0; i < indexes->len && status == STATUS_OK; i++) {
         status = run_data_load(&chosen->data, g_array_index(indexes, uint32_t, i),
                                &chosen->searches[chosen->count], error);
-        chosen->count += status == STATUS_OK;
+        if (status != STATUS_OK)
+            break;
+        run_data_find_reach(&chosen->searches[chosen->count++]);
     }
     return status;
 }

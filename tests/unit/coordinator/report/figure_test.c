@@ -200,6 +200,45 @@ static void compared_run_is_drawn_over_the_first(void **state)
     g_free(other);
 }
 
+// What no design reaches is hatched, from the last point that one does reach, and the legend says
+// so; where all is reached neither is there.
+static void parts_that_no_design_reaches_are_hatched(void **state)
+{
+    static const char words[] = "hatched: reached by none of 2,048 designs that were simulated\n";
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_DONE);
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG});
+    struct picture picture = picture_read(*state, "corridors.svg");
+    assert_int_equal(occurrences(picture.words, words), 1);
+    picture_fini(&picture);
+    char *script = file_text(*state, "corridors.gp");
+    assert_contains(script, "$corridor_1_x << END\n0 500 700\n0.25 500 700\n0.5 500 700\n"
+                            "0.75 500 700\nEND\n"
+                            "$corridor_beyond_1_x << END\n0.75 500 700\n1 500 700\nEND\n");
+    assert_contains(script, "$corridor_beyond_2_y << END\n0 20 60\n0.4 20 60\nEND\n");
+    assert_null(strstr(script, "$corridor_2_y"));
+    g_free(script);
+
+    char *other = subfolder(*state, "other");
+    sample_run(other, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
+    draw(other, &(struct report_plot){.format = PICTURE_SVG});
+    script = file_text(other, "corridors.gp");
+    assert_null(strstr(script, "beyond"));
+    assert_null(strstr(script, "hatched"));
+    g_free(script);
+    // Of two runs only one has such a part.
+    draw(other, &(struct report_plot){.format = PICTURE_SVG, .compare = *state});
+    script = file_text(other, "corridors-compared.gp");
+    assert_contains(script, "$compared_beyond_1_x << END\n0.75 500 700\n1 500 700\nEND\n");
+    assert_contains(script, "hatched: reached by none");
+    assert_null(strstr(script, "$corridor_beyond"));
+    g_free(script);
+    draw(*state, &(struct report_plot){.format = PICTURE_SVG, .normalise = true});
+    script = file_text(*state, "corridors-normalised.gp");
+    assert_contains(script, "$corridor_beyond_1_x << END\n0.75 0.625 0.875\n1 0.625 0.875\nEND\n");
+    g_free(script);
+    g_free(other);
+}
+
 // Nothing in common, nothing to show, no such search: an error that says which.
 static void senseless_requests_are_refused(void **state)
 {
@@ -284,6 +323,7 @@ int main(void)
         IN_FOLDER(hostile_names_stay_names),
         IN_FOLDER(normalised_figure_holds_no_numbers),
         IN_FOLDER(compared_run_is_drawn_over_the_first),
+        IN_FOLDER(parts_that_no_design_reaches_are_hatched),
         IN_FOLDER(senseless_requests_are_refused),
         IN_FOLDER(empty_result_is_drawn_as_such),
         IN_FOLDER(missing_gnuplot_names_the_remedy),

@@ -193,6 +193,28 @@ static void overlay_has_the_bounds_of_each_case(void **state)
     run_data_fini(&data);
 }
 
+// A case's bounds are dashed where no design comes, and documents show the same picture.
+static void overlay_dashes_what_no_design_reaches(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 2, SAMPLE_DONE);
+    struct run_data data;
+    struct error error = {0};
+    assert_int_equal(run_data_read(&data, *state, &error), STATUS_OK);
+    run_data_find_reach(&data.searches[1]);
+    const struct overlay overlay = {
+        .title = "two", .searches = data.searches, .count = 2, .stem = "cases"};
+    char *script = overlay_script(&overlay);
+    assert_contains(script, "$case_1_1_x << END\n0 500 700\n0.25 500 700\n0.5 500 700\n"
+                            "0.75 500 700\n1 500 700\nEND\n"); // nobody looked
+    assert_contains(script, "$case_2_1_x << END\n0 500 700\n0.25 500 700\n0.5 500 700\n"
+                            "0.75 500 700\nEND\n"
+                            "$beyond_2_1_x << END\n0.75 500 700\n1 500 700\nEND\n");
+    assert_contains(script, "$beyond_2_1_x using 1:2 with lines lw 1 dt 2");
+    assert_contains(script, "dashed: reached by none of 2,048 designs that were simulated");
+    g_free(script);
+    run_data_fini(&data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -204,6 +226,7 @@ int main(void)
         cmocka_unit_test(map_has_the_median_of_each_cell),
         cmocka_unit_test(documents_hold_tables_and_tame_texts),
         IN_FOLDER(overlay_has_the_bounds_of_each_case),
+        IN_FOLDER(overlay_dashes_what_no_design_reaches),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
