@@ -50,6 +50,12 @@ static const struct scenario_spring *spring_of(const struct curve *curve)
     return &curve->curves->search->scenario.springs[curve->spring];
 }
 
+static bool reached(const struct curve *curve, uint32_t point)
+{
+    const struct run_data_search *search = curve->curves->search;
+    return point < reach_points(&search->reach, &search->scenario, curve->spring);
+}
+
 static double deformation(const struct curve *curve, uint32_t point)
 {
     return spring_of(curve)->deformation[point] * curve->curves->units->per_metre;
@@ -103,6 +109,21 @@ static void put_comments(GString *text, const struct curves *curves, const char 
     g_free(run);
 }
 
+// From where on a curve means nothing to the crash, as a comment before its points.
+static void put_reach(GString *text, const struct curve *curve, const char *mark)
+{
+    char designs[NUMBER_SIZE], from[G_ASCII_DTOSTR_BUF_SIZE];
+    uint32_t first = 0;
+    while (first < spring_of(curve)->point_count && reached(curve, first))
+        first++;
+    if (first == spring_of(curve)->point_count)
+        return;
+    g_ascii_formatd(from, sizeof from, "%.12g", deformation(curve, first));
+    g_string_append_printf(
+        text, "%s from %s %s on: reached by none of %s designs that were simulated\n", mark, from,
+        curve->curves->units->length, number_count(REACH_DESIGNS, designs));
+}
+
 // Two numbers in fields of 20 characters, which both solvers read.
 static void put_fields(GString *text, double x, double y)
 {
@@ -135,6 +156,7 @@ static void write_ls_dyna(GString *text, const struct curve *curve)
         "0\n"
         "$#                a1                  o1\n",
         curve->id);
+    put_reach(text, curve, "$");
     put_points(text, curve);
 }
 
@@ -143,6 +165,7 @@ static void write_openradioss(GString *text, const struct curve *curve)
     g_string_append_printf(text, "/FUNCT/%" PRIu32 "\n", curve->id);
     put_title(text, curve);
     g_string_append(text, "#                  X                   Y\n");
+    put_reach(text, curve, "#");
     put_points(text, curve);
 }
 
@@ -152,10 +175,10 @@ static void write_csv(GString *text, const struct curve *curve)
 {
     for (uint32_t k = 0; k < spring_of(curve)->point_count; k++) {
         char x[NUMBER_SIZE], y[NUMBER_SIZE];
-        g_string_append_printf(text, "%s,%s,%s,%s,%s\n", spring_of(curve)->name,
+        g_string_append_printf(text, "%s,%s,%s,%s,%s,%s\n", spring_of(curve)->name,
                                scenario_direction_name(curve->direction), bound_names[curve->bound],
                                number_exact(deformation(curve, k), x),
-                               number_exact(force(curve, k), y));
+                               number_exact(force(curve, k), y), reached(curve, k) ? "yes" : "no");
     }
 }
 
@@ -173,10 +196,12 @@ static char *json_text(const struct curves *curves)
                 for (uint32_t k = 0; k < spring_of(&curve)->point_count; k++)
                     json_array_append_new(
                         points, json_pack("[f, f]", deformation(&curve, k), force(&curve, k)));
-                json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o}", "spring",
-                                                      spring_of(&curve)->name, "direction",
-                                                      scenario_direction_name(curve.direction),
-                                                      "bound", bound_names[b], "points", points));
+                json_array_append_new(
+                    list, json_pack("{s:s, s:s, s:s, s:o, s:i}", "spring", spring_of(&curve)->name,
+                                    "direction", scenario_direction_name(curve.direction), "bound",
+                                    bound_names[b], "points", points, "points_reached",
+                                    (int)reach_points(&curves->search->reach,
+                                                      &curves->search->scenario, s)));
             }
     json_t *root =
         json_pack("{s:s, s:s, s:s, s:s, s:s, s:o}", "run", curves->run_name, "search",
@@ -205,7 +230,7 @@ char *curves_text(const struct curves *curves, enum curves_format format)
         each_curve(curves, text, write_openradioss);
         break;
     case CURVES_CSV:
-        g_string_append_printf(text, "spring,direction,bound,deformation_%s,force_%s\n",
+        g_string_append_printf(text, "spring,direction,bound,deformation_%s,force_%s,reached\n",
                                curves->units->length, curves->units->force);
         each_curve(curves, text, write_csv);
         break;

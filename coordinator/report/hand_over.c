@@ -35,6 +35,8 @@ static enum status load(struct run_data *data, struct run_data_search *search,
         status = error_set(error, STATUS_INVALID,
                            "%s: its model has no springs, so there are no curves over deformation",
                            directory);
+    if (status == STATUS_OK)
+        run_data_find_reach(search);
     return status;
 }
 
@@ -182,6 +184,23 @@ static enum status find_component(const struct sheet *sheet, uint32_t row,
     return misplaced(sheet, letter, "x or y", error);
 }
 
+// Says where a curve leaves its corridor only behind all that designs of the box ask of the spring:
+// it is outside, and in no crash that was simulated would it matter.
+static void print_beyond(const struct run_data_search *search, uint32_t spring,
+                         const struct leaving_piece *first, const struct units *units, FILE *out)
+{
+    const uint32_t beyond = reach_beyond(&search->reach, &search->scenario, spring);
+    const struct scenario_spring *curve = &search->scenario.springs[spring];
+    char designs[NUMBER_SIZE];
+    if (beyond == curve->point_count || first->from < curve->deformation[beyond] * units->per_metre)
+        return;
+    fprintf(
+        out,
+        "    all of it beyond %.6g %s, where none of %s simulated designs of the corridors comes\n",
+        curve->deformation[beyond] * units->per_metre, units->length,
+        number_count(REACH_DESIGNS, designs));
+}
+
 static void print_pieces(const struct leaving_piece *pieces, uint32_t count,
                          const struct units *units, FILE *out)
 {
@@ -227,6 +246,8 @@ static bool hold(const struct run_data_search *search, uint32_t spring_index,
         fprintf(out, "leaves its corridor (looked at from %.6g to %.6g %s)\n", from, to,
                 units->length);
     print_pieces(pieces, count, units, out);
+    if (from <= to && count > 0)
+        print_beyond(search, spring_index, &pieces[0], units, out);
     if (from <= to && (from > deformation[0] || to < deformation[spring->point_count - 1]))
         fprintf(out, "    the corridor reaches from %.6g to %.6g %s\n", deformation[0],
                 deformation[spring->point_count - 1], units->length);

@@ -172,3 +172,52 @@ corridors_go_out_as_curves_and_measured_ones_are_checked()
     run 2 sobox-report run --check wrong.csv
     expect_said err '^wrong\.csv:1:8: expected direction'
 }
+
+# A car of 264 kJ that 400 kN stop head-on after 0.66 m at the latest: it passes the point at 0.5 m and
+# never the one at 0.75 m. The marks are in whatever shows corridors, also when all is made again from
+# the journal alone.
+points_that_no_design_reaches_are_marked_everywhere()
+{
+    cat >stopped.yaml <<'END'
+name: stopped
+vehicle: {mass: 1650, yaw_inertia: 3000, speed: 17.889, cog: [0.0, -0.75]}
+barrier: {face_x: -2.08, edge_y: -0.455, overlap: 0.455}
+springs:
+  - name: front
+    position: [-0.83, 0.0]
+    deformation: [0.0, 0.25, 0.5, 0.75, 1.0, 1.25]
+    force_x: {lower: 400e3, upper: 800e3}
+    force_y: {lower: 0, upper: 1e3}
+response: any
+firewall_distance: 0.25
+search: {samples: 200, exploration_steps: 10, consolidation_steps: 10, target_purity: 0.9,
+         certificate_samples: 1000}
+END
+    local unreached=$'1,no\n1.25,no\n1,no\n1.25,no'
+    run 0 sobox-coordinator stopped.yaml --out run
+    expect_said out '^\*      1\.000 '
+    expect_said out '^\*      1\.250 '
+    expect_equal "$(grep -c '^\*  ' out)" 2 'marked rows'
+    expect_said out '^\* none of 2,048 simulated designs'
+    expect_equal "$(grep -c ,yes run/corridors.csv)" 8 'points that are reached'
+    expect_equal "$(grep ,no run/corridors.csv | cut -d , -f 4,9)" "$unreached" 'those that are not'
+    expect_said run/corridors.svg 'hatched: reached by none of 2,048 designs'
+    expect_equal "$(json run/result.json '$.searches[0].reach.springs[0].points_reached')" 4 'points'
+    expect_equal "$(sqlite3 :memory: "SELECT abs(json_extract(readfile('run/result.json'),
+        '\$.searches[0].reach.springs[0].deformation_max_m') - 0.66) < 0.01")" 1 'deepest design'
+
+    cp -r run again
+    rm again/result.json again/corridors.* again/history.csv
+    run 0 sobox-report again
+    cmp run/corridors.csv again/corridors.csv || fail 'the marks are others when made again'
+    run 0 sobox-report run --export csv --units N-mm-s --out curves
+    expect_equal "$(grep -c ',no$' curves/curves.csv)" 12 'points out of reach of six curves'
+    printf 'spring,direction,deformation,force\nfront,x,0,6e5\nfront,x,1,6e5\nfront,x,1.25,1e5\n' \
+        >measured.csv
+    run 3 sobox-report run --check measured.csv
+    expect_said out 'all of it beyond 0\.75 m, where none of 2,048 simulated designs'
+
+    run 0 sobox-coordinator "$scenario" --out short
+    run 0 sobox-report run --compare short --out both.svg
+    expect_said both.svg 'hatched: reached by none'
+}

@@ -49,14 +49,37 @@ static void tables_name_their_units(void **state)
 {
     sample_run(*state, SAMPLE_SCENARIO, 1, SAMPLE_DONE);
     char *text = exported(*state, "csv", "kN-m-s");
-    assert_true(g_str_has_prefix(text, "spring,direction,bound,deformation_m,force_kN\n"
-                                       "front,x,lower,0,15\nfront,x,lower,1.2,112.5\n"
-                                       "front,x,middle,0,30\nfront,x,middle,1.2,225\n"));
+    assert_true(g_str_has_prefix(text, "spring,direction,bound,deformation_m,force_kN,reached\n"
+                                       "front,x,lower,0,15,yes\nfront,x,lower,1.2,112.5,yes\n"
+                                       "front,x,middle,0,30,yes\nfront,x,middle,1.2,225,yes\n"));
     g_free(text);
     text = exported(*state, "json", "N-m-s");
     assert_contains(text, "\"force_unit\": \"N\"");
     assert_contains(text, "\"bound\": \"upper\"");
     assert_contains(text, "337500.0");
+    g_free(text);
+}
+
+// Whoever takes the curves over learns from where on they mean nothing, in the units of the curves.
+static void curves_tell_what_no_design_reaches(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_DONE);
+    char *text = exported(*state, "ls-dyna", "kN-mm-ms");
+    assert_contains(text,
+                    "$ from 1000 mm on: reached by none of 2,048 designs that were simulated\n"
+                    "                   0                 500\n");
+    assert_contains(text, "$ from 0 mm on: reached by none of 2,048 designs that were simulated\n"
+                          "                   0                  20\n");
+    g_free(text);
+    text = exported(*state, "openradioss", "N-m-s");
+    assert_contains(text, "# from 1 m on: reached by none of 2,048 designs that were simulated\n"
+                          "                   0              500000\n");
+    g_free(text);
+    text = exported(*state, "csv", "kN-m-s");
+    assert_contains(text, "front,x,upper,0.75,700,yes\nfront,x,upper,1,700,no\n");
+    g_free(text);
+    text = exported(*state, "json", "N-m-s");
+    assert_contains(text, "\"points_reached\": 4");
     g_free(text);
 }
 
@@ -136,6 +159,36 @@ static void measured_curve_is_held_against_its_corridor(void **state)
     free(said);
 }
 
+// A part that is too weak only where no crash presses it to is outside its corridor, and told to be
+// so there alone; one that is too weak earlier is not.
+static void curve_that_leaves_where_no_design_comes_is_told_apart(void **state)
+{
+    sample_run(*state, SAMPLE_STOPPED, 1, SAMPLE_DONE);
+    struct error error = {0};
+    bool inside;
+    char *said = checked(*state,
+                         "spring,direction,deformation,force\n"
+                         "front,x,0,600\nfront,x,800,500\nfront,x,1000,100\n",
+                         "kN-mm-ms", &inside, &error);
+    assert_false(inside);
+    assert_contains(said, "from 800 to 1000 mm");
+    assert_contains(said, "    all of it beyond 750 mm, where none of 2,048 simulated designs of "
+                          "the corridors comes\n");
+    free(said);
+    said = checked(*state,
+                   "spring,direction,deformation,force\n"
+                   "front,x,0,600\nfront,x,700,500\nfront,x,1000,100\n",
+                   "kN-mm-ms", &inside, &error);
+    assert_false(inside);
+    assert_null(strstr(said, "all of it"));
+    free(said);
+    said = checked(*state, "spring,direction,deformation,force\nidle,y,0,100\nidle,y,0.4,100\n",
+                   "kN-m-s", &inside, &error);
+    assert_false(inside);
+    assert_contains(said, "all of it beyond 0 m,");
+    free(said);
+}
+
 static void wrong_measured_curves_are_refused_at_their_place(void **state)
 {
     static const struct {
@@ -168,8 +221,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         IN_FOLDER(solvers_get_curves_in_their_own_cards),
         IN_FOLDER(tables_name_their_units),
+        IN_FOLDER(curves_tell_what_no_design_reaches),
         IN_FOLDER(wrong_exports_are_refused),
         IN_FOLDER(measured_curve_is_held_against_its_corridor),
+        IN_FOLDER(curve_that_leaves_where_no_design_comes_is_told_apart),
         IN_FOLDER(wrong_measured_curves_are_refused_at_their_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
