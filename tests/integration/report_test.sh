@@ -174,9 +174,8 @@ corridors_go_out_as_curves_and_measured_ones_are_checked()
 }
 
 # A car of 264 kJ that 400 kN stop head-on after 0.66 m at the latest: it passes the point at 0.5 m and
-# never the one at 0.75 m. The marks are in whatever shows corridors, also when all is made again from
-# the journal alone.
-points_that_no_design_reaches_are_marked_everywhere()
+# never the one at 0.75 m.
+_write_stopped()
 {
     cat >stopped.yaml <<'END'
 name: stopped
@@ -193,6 +192,12 @@ firewall_distance: 0.25
 search: {samples: 200, exploration_steps: 10, consolidation_steps: 10, target_purity: 0.9,
          certificate_samples: 1000}
 END
+}
+
+# The marks are in whatever shows corridors, also when all is made again from the journal alone.
+points_that_no_design_reaches_are_marked_everywhere()
+{
+    _write_stopped
     local unreached=$'1,no\n1.25,no\n1,no\n1.25,no'
     run 0 sobox-coordinator stopped.yaml --out run
     expect_said out '^\*      1\.000 '
@@ -220,4 +225,19 @@ END
     run 0 sobox-coordinator "$scenario" --out short
     run 0 sobox-report run --compare short --out both.svg
     expect_said both.svg 'hatched: reached by none'
+}
+
+# The report of a sweep goes to people who see nothing else of it.
+reports_of_sweeps_show_what_no_design_reaches()
+{
+    _write_stopped
+    printf 'sweep: stops\nbase: stopped.yaml\naxes:\n  - {path: vehicle.mass, values: [1500, 1650]}\n' \
+        >stops.yaml
+    run 0 sobox-coordinator stops.yaml --out run
+    expect_equal "$(grep ,no run/corridors.csv | cut -d , -f 1,3,4)" \
+        $'0,x,1\n0,x,1.25\n0,y,1\n0,y,1.25\n1,x,1\n1,x,1.25\n1,y,1\n1,y,1.25' 'points of both cases'
+    run 0 sobox-report run --html stops.html
+    expect_said stops.html 'dashed: reached by none of 2,048 designs'
+    run 0 sobox-report run --cases '*' --out cases.svg
+    expect_said cases.svg 'dashed: reached by none of 2,048 designs'
 }
