@@ -7,6 +7,7 @@
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
+#include "coordinator/runtime/run_status.h"
 #include "coordinator/runtime/tell.h"
 #include "coordinator/runtime/texts.h"
 #include "coordinator/schedule/schedule.h"
@@ -319,19 +320,6 @@ static struct schedule_settings schedule_settings(struct wire *wire)
     return settings;
 }
 
-// A session may end well and leave searches for another.
-static enum run_state state_after(enum status status, bool all_done)
-{
-    switch (status) {
-    case STATUS_OK:
-        return all_done ? RUN_STATE_DONE : RUN_STATE_INTERRUPTED;
-    case STATUS_INTERRUPTED:
-        return RUN_STATE_INTERRUPTED;
-    default:
-        return RUN_STATE_FAILED;
-    }
-}
-
 static gboolean timed_dispatch(GSource *source, GSourceFunc callback, gpointer user)
 {
     g_source_set_ready_time(source, -1);
@@ -413,14 +401,14 @@ enum status coordinator_run(struct run *run, struct wire *wire,
 
     const bool all_done = run->done_count == run->record.search_count;
     struct error unwritten = {0};
-    if (run_end(run, state_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
+    if (run_end(run, run_status_after(status, all_done), clock_monotonic_ns(), &unwritten) !=
             STATUS_OK &&
         status == STATUS_OK) {
         *error = unwritten;
         status = unwritten.status;
     }
     if (coordinator.crew != NULL)
-        tell_run_state(&coordinator, state_after(status, all_done));
+        tell_run_state(&coordinator, run_status_after(status, all_done));
     g_queue_clear(&coordinator.ready);
     crew_free(coordinator.crew);
     tell_free(coordinator.tell);

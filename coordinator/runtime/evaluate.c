@@ -8,7 +8,7 @@
 #include "coordinator/runtime/crew.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
-#include "coordinator/runtime/tell.h"
+#include "coordinator/runtime/run_status.h"
 #include "worker/batch/fingerprint.h"
 
 #include <assert.h>
@@ -323,27 +323,16 @@ static void publish_status(struct work *work, enum run_state state,
                            const struct schedule_counters *counters)
 {
     const struct evaluation *evaluation = work->table->evaluation;
-    struct wire_counters wire;
-    wire_counters(work->wire, &wire);
-    sobox_run_status_t message = {
-        .header.run = (int64_t)work->run,
-        .state = (int8_t)state,
+    const struct run_status status = {
+        .run = work->run,
+        .name = evaluation->scenario.name,
+        .fingerprint = &work->fingerprint,
+        .state = state,
         .searches = 1,
         .searches_done = state == RUN_STATE_DONE,
-        .workers = (int32_t)counters->workers,
-        .workers_refused = (int32_t)counters->workers_refused,
-        .samples = (int64_t)counters->samples_counted,
-        .batches = (int64_t)counters->batches_counted,
-        .released = (int64_t)counters->released,
-        .duplicates = (int64_t)counters->duplicates,
-        .rejected = (int64_t)wire.rejected,
-        .lost = (int64_t)wire.lost,
         .elapsed_ns = evaluation->elapsed_ns + clock_monotonic_ns() - evaluation->started_ns,
-        .service_ns = counters->service_ns,
     };
-    g_strlcpy((char *)message.name, evaluation->scenario.name, sizeof message.name);
-    memcpy(message.fingerprint, work->fingerprint.bytes, DIGEST_SIZE);
-    (void)!wire_publish(work->wire, WIRE_RUN_STATUS, &message);
+    run_status_publish(work->wire, &status, counters);
 }
 
 static void tell_status(void *user, const struct schedule_counters *counters, bool waiting)
@@ -351,18 +340,11 @@ static void tell_status(void *user, const struct schedule_counters *counters, bo
     publish_status(user, waiting ? RUN_STATE_WAITING : RUN_STATE_RUNNING, counters);
 }
 
-static enum run_state state_after(enum status status)
-{
-    return status == STATUS_OK            ? RUN_STATE_DONE
-           : status == STATUS_INTERRUPTED ? RUN_STATE_INTERRUPTED
-                                          : RUN_STATE_FAILED;
-}
-
 static void tell_end_state(struct work *work, enum status status)
 {
     struct schedule_counters counters;
     crew_counters(work->crew, &counters);
-    publish_status(work, state_after(status), &counters);
+    publish_status(work, run_status_after(status, true), &counters);
 }
 
 // ---- Progress ----
@@ -482,8 +464,8 @@ static enum status batch_designs(const struct work *work, uint32_t *designs, str
 static enum status end_state(struct work *work, enum status status)
 {
     struct error unwritten = {0};
-    if (evaluation_end(work->table->evaluation, state_after(status), clock_monotonic_ns(),
-                       &unwritten) == STATUS_OK ||
+    if (evaluation_end(work->table->evaluation, run_status_after(status, true),
+                       clock_monotonic_ns(), &unwritten) == STATUS_OK ||
         status != STATUS_OK)
         return status;
     *work->error = unwritten;

@@ -1,9 +1,9 @@
 #include "coordinator/runtime/tell.h"
 
 #include "common/base/clock.h"
+#include "coordinator/runtime/run_status.h"
 
 #include "sobox_cases_t.h"
-#include "sobox_run_status_t.h"
 #include "sobox_search_status_t.h"
 #include "sobox_step_status_t.h"
 
@@ -87,32 +87,21 @@ static void send_parts(struct tell *tell)
 void tell_run(struct tell *tell, enum run_state state, const struct schedule_counters *counters)
 {
     const struct run *run = tell->run;
-    struct wire_counters wire;
-    wire_counters(tell->wire, &wire);
-    sobox_run_status_t message = {
-        .header.run = (int64_t)run->record.id,
-        .state = (int8_t)state,
-        .searches = (int32_t)run->record.search_count,
-        .searches_done = (int32_t)run->done_count,
-        .workers = (int32_t)counters->workers,
-        .workers_refused = (int32_t)counters->workers_refused,
-        .samples = (int64_t)counters->samples_counted,
-        .batches = (int64_t)counters->batches_counted,
-        .released = (int64_t)counters->released,
-        .duplicates = (int64_t)counters->duplicates,
-        .rejected = (int64_t)wire.rejected,
-        .lost = (int64_t)wire.lost,
+    const struct run_status status = {
+        .run = run->record.id,
+        .name = run->record.name,
+        .fingerprint = &tell->fingerprint,
+        .state = state,
+        .searches = run->record.search_count,
+        .searches_done = run->done_count,
         .elapsed_ns = run_elapsed_ns(run, clock_monotonic_ns()),
-        .service_ns = counters->service_ns,
     };
-    g_strlcpy((char *)message.name, run->record.name, sizeof message.name);
-    memcpy(message.fingerprint, tell->fingerprint.bytes, DIGEST_SIZE);
     // What waits for its tick has none any more.
     if (protocol_run_ended(state)) {
         tell->allowance = (int)tell->parts.length;
         send_parts(tell);
     }
-    (void)!wire_publish(tell->wire, WIRE_RUN_STATUS, &message);
+    run_status_publish(tell->wire, &status, counters);
 }
 
 // ---- Searches ----
