@@ -33,11 +33,15 @@ static const char SCHEMA[] =
     "CREATE TABLE step (id INTEGER PRIMARY KEY, search INTEGER NOT NULL, step INTEGER NOT NULL,"
     " phase TEXT NOT NULL, samples INTEGER NOT NULL, good INTEGER NOT NULL, growth REAL,"
     " log_volume REAL, exact BLOB NOT NULL, bounds BLOB NOT NULL, detail INTEGER NOT NULL,"
-    " verdicts BLOB NOT NULL) STRICT;";
+    " verdicts BLOB NOT NULL, sampling INTEGER NOT NULL) STRICT;";
 
-static const char APPEND[] =
-    "INSERT INTO step (id, search, step, phase, samples, good, growth, log_volume, exact, bounds,"
-    " detail, verdicts) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
+// A file of an older schema is continued as it is.
+#define APPEND(column, value)                                                                      \
+    "INSERT INTO step (id, search, step, phase, samples, good, growth, log_volume, exact, bounds," \
+    " detail, verdicts" column ") VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12" value \
+    ")"
+static const char APPEND_STEP[] = APPEND(", sampling", ", ?13");
+static const char APPEND_STEP_OLD[] = APPEND("", "");
 
 int64_t journal_step_id(uint32_t search, uint32_t step)
 {
@@ -151,13 +155,14 @@ static enum status database_open(struct journal *journal, const char *name, int 
 // as durable, so the answer to journal_mode is not looked at.
 static enum status writing_start(struct journal *journal, struct error *error)
 {
+    const bool old = journal->schema < JOURNAL_SCHEMA_SAMPLING;
     enum status status = execute(journal,
                                  "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"
                                  "PRAGMA wal_autocheckpoint = 4000; PRAGMA temp_store = MEMORY",
                                  "cannot be written", error);
     if (status == STATUS_OK &&
-        sqlite3_prepare_v3(journal->database, APPEND, -1, SQLITE_PREPARE_PERSISTENT,
-                           &journal->append, NULL) != SQLITE_OK)
+        sqlite3_prepare_v3(journal->database, old ? APPEND_STEP_OLD : APPEND_STEP, -1,
+                           SQLITE_PREPARE_PERSISTENT, &journal->append, NULL) != SQLITE_OK)
         status = journal_failure(journal, "cannot be written", error);
     return status;
 }
@@ -575,6 +580,8 @@ enum status journal_append(struct journal *journal, const struct journal_step *s
     bind_blob(append, 10, journal->bounds->data, box_size);
     sqlite3_bind_int64(append, 11, step->detail);
     bind_blob(append, 12, journal->verdicts->data, verdicts_size);
+    if (journal->schema >= JOURNAL_SCHEMA_SAMPLING)
+        sqlite3_bind_int64(append, 13, step->sampling);
     enum status status = run_statement(journal, append, "cannot write a step", error);
     sqlite3_reset(append);
     return status;

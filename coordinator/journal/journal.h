@@ -8,9 +8,10 @@
 //   axis        of a sweep: number, path of the key that changes
 //   search      index, name of its case, scenario text and digest, seed, state and result
 //   axis_value  (search, axis), what the case has there
-//   step        (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts
+//   step        (search, step), phase, samples, good, growth, log_volume, bounds, packed verdicts,
+//               how they were sampled
 //
-// Schema 1 had no axes; it is still read and continued.
+// Schema 1 had no axes, schema 2 no samplings. Files of both are still read and continued.
 #ifndef SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
 #define SOBOX_COORDINATOR_JOURNAL_JOURNAL_H
 
@@ -25,7 +26,9 @@
 #include <stdint.h>
 
 enum {
-    JOURNAL_SCHEMA = 2,
+    JOURNAL_SCHEMA = 3,          // older files are read and continued as they are:
+    JOURNAL_SCHEMA_AXES = 2,     // from this one on a sweep has axes,
+    JOURNAL_SCHEMA_SAMPLING = 3, // from this one on a step says how it was sampled
     JOURNAL_AXIS_MAX = PROTOCOL_AXIS_MAX,
     JOURNAL_NAME_SIZE = 256, // [bytes] of a case's name with its NUL
 };
@@ -79,6 +82,8 @@ struct journal_step {
     const struct box *box; // that was sampled, all bounds finite; borrowed
     enum verdict_detail detail;
     const struct verdict *verdicts; // (samples) borrowed
+    enum sampling_method sampling;  // how they were drawn,
+    bool sampling_known;            // which an old file does not say; not looked at on writing
 };
 
 struct journal;

@@ -22,7 +22,7 @@ struct journal {
     char *path;               // of run.db
     struct journal_lock lock; // zero for a reader
     sqlite3_stmt *append;     // the one statement a search waits for is prepared once
-    int64_t schema;           // of the file: 1 has no axes
+    int64_t schema;           // of the file
     GByteArray *bounds;       // scratch of an append
     GByteArray *verdicts;
 };

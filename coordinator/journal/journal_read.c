@@ -237,7 +237,7 @@ static enum status read_texts_by(struct journal *journal, const char *sql, uint3
                                  char ***texts, struct error *error)
 {
     *texts = NULL;
-    if (journal->schema < 2) {
+    if (journal->schema < JOURNAL_SCHEMA_AXES) {
         *texts = g_new0(char *, 1);
         return STATUS_OK;
     }
@@ -323,7 +323,7 @@ static bool verdicts_from_row(sqlite3_stmt *row, struct journal_step *step, GArr
 
 static bool step_from_row(sqlite3_stmt *row, struct journal_step *step, struct step_memory *memory)
 {
-    uint64_t detail;
+    uint64_t detail, sampling = 0;
     double exact[2];
     if (!column_u32(row, 0, &step->search) || !column_u32(row, 1, &step->step) ||
         step->search > INT32_MAX ||
@@ -333,6 +333,11 @@ static bool step_from_row(sqlite3_stmt *row, struct journal_step *step, struct s
         !column_doubles(row, 6, exact, 2) || !column_box(row, 7, &memory->box) ||
         !column_u64(row, 8, &detail) || detail >= VERDICT_DETAIL_COUNT)
         return false;
+    step->sampling_known = sqlite3_column_count(row) > 10;
+    if (step->sampling_known &&
+        (!column_u64(row, 10, &sampling) || sampling >= SAMPLING_METHOD_COUNT))
+        return false;
+    step->sampling = (enum sampling_method)sampling;
     step->detail = (enum verdict_detail)detail;
     step->growth = exact[0];
     step->log_volume = exact[1];
@@ -360,14 +365,15 @@ static enum status visit_steps(struct journal *journal, sqlite3_stmt *rows,
     return code == SQLITE_DONE ? STATUS_OK : journal_failure(journal, "cannot read a step", error);
 }
 
+#define STEPS(column)                                                                       \
+    "SELECT search, step, id, phase, samples, good, exact, bounds, detail, verdicts" column \
+    " FROM step WHERE id BETWEEN ?1 AND ?2 ORDER BY id"
+
 enum status journal_read_steps(struct journal *journal, uint32_t search, journal_visitor *visit,
                                void *user, struct error *error)
 {
-    sqlite3_stmt *rows = journal_prepare(
-        journal,
-        "SELECT search, step, id, phase, samples, good, exact, bounds, detail, verdicts FROM step"
-        " WHERE id BETWEEN ?1 AND ?2 ORDER BY id",
-        error);
+    const bool old = journal->schema < JOURNAL_SCHEMA_SAMPLING;
+    sqlite3_stmt *rows = journal_prepare(journal, old ? STEPS("") : STEPS(", sampling"), error);
     if (rows == NULL)
         return STATUS_IO;
     sqlite3_bind_int64(rows, 1, journal_step_id(search, 0));

@@ -445,6 +445,7 @@ enum status run_record(struct run *run, uint32_t index, struct error *error)
         .box = &sampled,
         .detail = search->request.detail,
         .verdicts = search->verdicts,
+        .sampling = search->request.sampling.method,
     };
     g_strlcpy(record.phase, protocol_phase_name(step->phase), sizeof record.phase);
     run->steps++;

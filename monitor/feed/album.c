@@ -34,6 +34,16 @@ void album_fini(struct album *album)
 
 // ---- Putting a picture together ----
 
+struct album_picture *album_picture(uint32_t count, uint32_t variables)
+{
+    struct album_picture *picture = g_new0(struct album_picture, 1);
+    picture->count = count;
+    picture->verdicts = g_new0(struct verdict, count);
+    box_init(&picture->sampled, variables);
+    box_init(&picture->box, variables);
+    return picture;
+}
+
 static size_t verdicts_size(const sobox_step_status_t *message)
 {
     return (size_t)message->packed_size - (size_t)message->window * 4 * sizeof(double);
@@ -43,25 +53,18 @@ static size_t verdicts_size(const sobox_step_status_t *message)
 // when the verdicts do not unpack.
 static struct album_picture *picture_begin(const sobox_step_status_t *message)
 {
-    struct album_picture *picture = g_new(struct album_picture, 1);
-    *picture = (struct album_picture){
-        .sampling =
-            {
-                .seed = (uint64_t)message->seed,
-                .step = (uint32_t)message->step,
-                .samples = (uint32_t)message->samples,
-                .method = (enum sampling_method)message->sampling,
-            },
-        .phase = (enum search_phase)message->phase,
-        .detail = (enum verdict_detail)message->detail,
-        .good = (uint32_t)message->good,
-        .count = (uint32_t)message->count,
-        .verdicts = g_new0(struct verdict, (gsize)message->count),
-    };
-    memcpy(picture->scenario.bytes, message->scenario, DIGEST_SIZE);
     const uint32_t variables = (uint32_t)message->variables;
-    box_init(&picture->sampled, variables);
-    box_init(&picture->box, variables);
+    struct album_picture *picture = album_picture((uint32_t)message->count, variables);
+    picture->sampling = (struct sampling){
+        .seed = (uint64_t)message->seed,
+        .step = (uint32_t)message->step,
+        .samples = (uint32_t)message->samples,
+        .method = (enum sampling_method)message->sampling,
+    };
+    picture->phase = (enum search_phase)message->phase;
+    picture->detail = (enum verdict_detail)message->detail;
+    picture->good = (uint32_t)message->good;
+    memcpy(picture->scenario.bytes, message->scenario, DIGEST_SIZE);
     for (uint32_t i = 0; i < variables; i++)
         picture->sampled.lower[i] = NAN;
     if (message->count == 0 ||
@@ -149,7 +152,7 @@ static void thin_out(struct album *album)
 
 // A coordinator that was started anew may stand some steps before: what was after goes. The newest
 // picture is always there; it stays if its turn is right.
-static void album_add(struct album *album, struct album_picture *picture)
+void album_add(struct album *album, struct album_picture *picture)
 {
     const struct album_picture *last;
     while ((last = last_of(album)) != NULL && last->sampling.step >= picture->sampling.step) {

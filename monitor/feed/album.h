@@ -52,6 +52,13 @@ void album_fini(struct album *album);
 // does not hold together is dropped.
 bool album_hear(struct album *album, const sobox_step_status_t *message);
 
+// Adds a picture whose verdicts and boxes are complete, and takes it over; made with
+// album_picture() and filled in.
+void album_add(struct album *album, struct album_picture *picture);
+
+// A picture with room for `count` verdicts and two boxes of `variables`.
+struct album_picture *album_picture(uint32_t count, uint32_t variables);
+
 // The picture of the step, or the last one before it; the newest for UINT32_MAX. NULL: none.
 const struct album_picture *album_find(const struct album *album, uint32_t step);
 

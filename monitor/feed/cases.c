@@ -1,5 +1,7 @@
 #include "monitor/feed/cases.h"
 
+#include "common/protocol/protocol.h"
+
 #include <string.h>
 
 static void forget(struct cases *cases)
@@ -36,19 +38,7 @@ static char *printable(const char *text)
     return copy;
 }
 
-// The next `columns` texts of a message, from `at` on.
-static char **texts_take(const sobox_cases_t *message, uint32_t columns, int32_t *at)
-{
-    char **texts = g_new0(char *, columns + 1);
-    for (uint32_t i = 0; i < columns && *at < message->text_size; i++) {
-        const char *text = (const char *)message->text + *at;
-        texts[i] = printable(text);
-        *at += (int32_t)strlen(text) + 1;
-    }
-    return texts;
-}
-
-// Puts the texts in a place unless they are there already.
+// Puts the texts, which it takes over, in a place unless they are there already.
 static bool place(char ***old, char **texts)
 {
     if (*old != NULL && g_strv_equal((const char *const *)*old, (const char *const *)texts)) {
@@ -60,28 +50,41 @@ static bool place(char ***old, char **texts)
     return true;
 }
 
-bool cases_hear(struct cases *cases, const sobox_cases_t *message, uint64_t version)
+bool cases_put(struct cases *cases, int32_t index, char *const *texts, uint64_t version)
 {
-    const uint32_t columns = (uint32_t)message->columns;
+    const uint32_t columns = g_strv_length((char **)texts);
+    if (index >= CASES_KNOWN_MAX)
+        return false;
     if (cases->columns != columns)
         forget(cases);
     cases->columns = columns;
+    char **shown = g_new0(char *, columns + 1);
+    for (uint32_t i = 0; i < columns; i++)
+        shown[i] = printable(texts[i]);
+    if (index >= 0 && cases->entries->len <= (guint)index)
+        g_array_set_size(cases->entries, (guint)index + 1);
+    struct cases_entry *entry =
+        index >= 0 ? &g_array_index(cases->entries, struct cases_entry, index) : NULL;
+    if (!place(entry != NULL ? &entry->texts : &cases->axes, shown))
+        return false;
+    if (entry != NULL)
+        entry->changed = version;
+    cases->changed = version;
+    return true;
+}
+
+bool cases_hear(struct cases *cases, const sobox_cases_t *message, uint64_t version)
+{
+    char *texts[1 + PROTOCOL_AXIS_MAX + 1] = {NULL};
     bool news = false;
-    int32_t at = 0;
-    if (message->first < 0)
-        news = place(&cases->axes, texts_take(message, columns, &at));
-    for (uint32_t i = (uint32_t)MAX(message->first, 0);
-         message->first >= 0 && at < message->text_size && i < CASES_KNOWN_MAX; i++) {
-        if (cases->entries->len <= i)
-            g_array_set_size(cases->entries, i + 1);
-        struct cases_entry *one = &g_array_index(cases->entries, struct cases_entry, i);
-        if (place(&one->texts, texts_take(message, columns, &at))) {
-            one->changed = version;
-            news = true;
+    int32_t index = message->first;
+    for (int32_t at = 0; at < message->text_size; index++) {
+        for (int32_t i = 0; i < message->columns; i++) {
+            texts[i] = (char *)message->text + at;
+            at += (int32_t)strlen(texts[i]) + 1;
         }
+        news |= cases_put(cases, index, texts, version);
     }
-    if (news)
-        cases->changed = version;
     return news;
 }
 

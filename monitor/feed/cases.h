@@ -29,6 +29,10 @@ void cases_fini(struct cases *cases);
 // Returns whether anything is.
 bool cases_hear(struct cases *cases, const sobox_cases_t *message, uint64_t version);
 
+// The same for one row of texts (a NULL-terminated list, borrowed) that came another way: of the
+// case `index`, or the axes' paths for -1.
+bool cases_put(struct cases *cases, int32_t index, char *const *texts, uint64_t version);
+
 // The texts of a case, or NULL.
 char *const *cases_find(const struct cases *cases, uint32_t index);
 

@@ -153,11 +153,10 @@ static void pace_add(struct feed_run *run)
     history_add(&run->pace, &pace);
 }
 
-void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_t now_ns)
+void feed_run_read(struct feed *feed, uint64_t id, const sobox_run_status_t *message,
+                   int64_t now_ns)
 {
-    struct feed_run *run = run_entry(feed, (uint64_t)message->header.run);
-    if (is_late(&run->origin, &message->header, now_ns - run->heard_ns))
-        return;
+    struct feed_run *run = run_entry(feed, id);
     const bool first = run->changed == 0;
     const int64_t since_ns = message->elapsed_ns - run->elapsed_ns;
     // What a monitor that came late has missed is not what happens now.
@@ -188,6 +187,14 @@ void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_
     run->changed = ++feed->version;
     pace_add(run);
     table_touch(&feed->runs, &run->entry);
+}
+
+void feed_run_heard(struct feed *feed, const sobox_run_status_t *message, int64_t now_ns)
+{
+    const uint64_t id = (uint64_t)message->header.run;
+    struct feed_run *run = run_entry(feed, id);
+    if (!is_late(&run->origin, &message->header, now_ns - run->heard_ns))
+        feed_run_read(feed, id, message, now_ns);
 }
 
 bool feed_run_active(const struct feed_run *run)
@@ -284,14 +291,11 @@ static bool is_retold(const struct feed_search *before, const struct feed_search
            digest_equal(&before->scenario, &now->scenario);
 }
 
-void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns)
+// Takes over all of a message but its box, which comes before.
+static void search_take(struct feed *feed, struct feed_search *search,
+                        const sobox_search_status_t *message, guint known, int64_t now_ns)
 {
-    struct feed_search *search =
-        search_entry(feed, (uint64_t)message->header.run, (uint32_t)message->search);
-    if (is_late(&search->origin, &message->header, now_ns - search->heard_ns))
-        return;
     const struct feed_search before = *search;
-    const guint known = search->bounds->len;
     memcpy(search->scenario.bytes, message->scenario, DIGEST_SIZE);
     search->standing = (enum search_standing)message->standing;
     search->phase = (enum search_phase)message->phase;
@@ -302,13 +306,34 @@ void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, 
     search->good_share = message->good_share;
     search->log_volume = message->log_volume;
     search->purity_lower95 = message->purity_lower95;
-    bounds_take(search, message);
     search->heard_ns = now_ns;
     table_touch(&feed->searches, &search->entry);
     if (is_retold(&before, search) && known == search->bounds->len)
         return;
     search->changed = ++feed->version;
     step_add(search);
+}
+
+void feed_search_heard(struct feed *feed, const sobox_search_status_t *message, int64_t now_ns)
+{
+    struct feed_search *search =
+        search_entry(feed, (uint64_t)message->header.run, (uint32_t)message->search);
+    if (is_late(&search->origin, &message->header, now_ns - search->heard_ns))
+        return;
+    const guint known = search->bounds->len;
+    bounds_take(search, message);
+    search_take(feed, search, message, known, now_ns);
+}
+
+void feed_search_read(struct feed *feed, uint64_t run, const sobox_search_status_t *message,
+                      const struct box *box, int64_t now_ns)
+{
+    struct feed_search *search = search_entry(feed, run, (uint32_t)message->search);
+    const guint known = search->bounds->len;
+    g_array_set_size(search->bounds, 0);
+    g_array_append_vals(search->bounds, box->lower, box->count);
+    g_array_append_vals(search->bounds, box->upper, box->count);
+    search_take(feed, search, message, known, now_ns);
 }
 
 // Samples are kept of the searches heard of last.
@@ -353,11 +378,27 @@ void feed_step_heard(struct feed *feed, const sobox_step_status_t *message, int6
         search->album_changed = search->changed = ++feed->version;
 }
 
+void feed_step_read(struct feed *feed, uint64_t run, uint32_t index, struct album_picture *picture,
+                    int64_t now_ns)
+{
+    struct feed_search *search = search_entry(feed, run, index);
+    search->album_heard_ns = now_ns;
+    album_add(album_of(feed, search), picture);
+    search->album_changed = search->changed = ++feed->version;
+}
+
 void feed_cases_heard(struct feed *feed, const sobox_cases_t *message, int64_t now_ns)
 {
     (void)now_ns;
     struct feed_run *run = table_find(&feed->runs, (uint64_t)message->header.run, 0);
     if (run != NULL && cases_hear(&run->names, message, feed->version + 1))
+        run->changed = ++feed->version;
+}
+
+void feed_case_read(struct feed *feed, uint64_t id, int32_t index, char *const *texts)
+{
+    struct feed_run *run = table_find(&feed->runs, id, 0);
+    if (run != NULL && cases_put(&run->names, index, texts, feed->version + 1))
         run->changed = ++feed->version;
 }
 

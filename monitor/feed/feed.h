@@ -166,6 +166,18 @@ void feed_step_heard(struct feed *feed, const sobox_step_status_t *message, int6
 void feed_cases_heard(struct feed *feed, const sobox_cases_t *message, int64_t now_ns);
 void feed_worker_heard(struct feed *feed, const sobox_worker_status_t *message, int64_t now_ns);
 
+// The same from a run's journal, which tells each thing once and in order: there is no header and
+// no doubling. `message` without its arrays, `box` in their place.
+void feed_run_read(struct feed *feed, uint64_t run, const sobox_run_status_t *message,
+                   int64_t now_ns);
+void feed_search_read(struct feed *feed, uint64_t run, const sobox_search_status_t *message,
+                      const struct box *box, int64_t now_ns);
+// Takes `picture` over.
+void feed_step_read(struct feed *feed, uint64_t run, uint32_t search, struct album_picture *picture,
+                    int64_t now_ns);
+// A row of cases_put().
+void feed_case_read(struct feed *feed, uint64_t run, int32_t index, char *const *texts);
+
 // How well this monitor hears, once a second or so.
 void feed_own_counted(struct feed *feed, const struct feed_own *own, int64_t now_ns);
 

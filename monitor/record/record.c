@@ -1,5 +1,6 @@
 #include "monitor/record/record.h"
 
+#include "common/base/log.h"
 #include "coordinator/journal/journal.h"
 
 #include <float.h>
@@ -24,8 +25,8 @@ struct record {
     GArray *told; // struct told, one a search
     uint64_t run; // its number
     bool named;   // the cases of a sweep were told of
-    int32_t sequence;
     bool goes_on;
+    bool unknown_said; // that samples of this file are not shown
 };
 
 // A search that is being read.
@@ -81,49 +82,15 @@ static enum search_status status_of(const char *name)
     return status;
 }
 
-// Which points a step drew: the journal does not say, it follows from the phase (search.c).
-static enum sampling_method sampling_of(enum search_phase phase, const struct scenario *scenario)
-{
-    switch (phase) {
-    case SEARCH_PHASE_SEEK:
-        return SAMPLING_METHOD_LATIN_HYPERCUBE;
-    case SEARCH_PHASE_EXPLORE:
-    case SEARCH_PHASE_CONSOLIDATE:
-        return scenario->search.sampling;
-    case SEARCH_PHASE_CERTIFY:
-    case SEARCH_PHASE_EXPLAIN:
-    case SEARCH_PHASE_DONE:
-        break;
-    }
-    return SAMPLING_METHOD_UNIFORM;
-}
-
 // ---- Telling the feed ----
-
-static sobox_header_t next_header(struct record *record, const struct journal_run *run)
-{
-    return (sobox_header_t){
-        .sequence = record->sequence++,
-        .sender = 1, // nobody else tells this feed anything
-        .run = (int64_t)run->id,
-    };
-}
 
 static void tell_search(const struct reading *reading, sobox_search_status_t *message,
                         const struct box *box)
 {
-    message->header = next_header(reading->record, reading->run);
     message->search = (int32_t)reading->search->index;
     message->evaluations = (int64_t)reading->told->evaluations;
     memcpy(message->scenario, reading->search->scenario.bytes, DIGEST_SIZE);
-    double *bounds = g_new(double, 2 * (size_t)box->count);
-    memcpy(bounds, box->lower, box->count * sizeof *bounds);
-    memcpy(bounds + box->count, box->upper, box->count * sizeof *bounds);
-    message->variables = (int32_t)box->count;
-    message->bound_count = (int32_t)(2 * box->count);
-    message->bounds = bounds;
-    feed_search_heard(reading->record->feed, message, reading->now_ns);
-    g_free(bounds);
+    feed_search_read(reading->record->feed, reading->run->id, message, box, reading->now_ns);
 }
 
 static enum status tell_step(void *user, const struct journal_step *step, struct error *error)
@@ -167,16 +134,14 @@ static void tell_result(const struct reading *reading)
 
 // ---- Samples ----
 
-static uint8_t *put_bounds(uint8_t *at, const double *values, uint32_t count)
+// Said once, where somebody looks.
+static void note_unknown_sampling(struct record *record)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t bits;
-        memcpy(&bits, &values[i], sizeof bits);
-        bits = GUINT64_TO_LE(bits);
-        memcpy(at, &bits, sizeof bits);
-        at += sizeof bits;
-    }
-    return at;
+    if (!record->unknown_said)
+        log_note("%s/run.db: an earlier sobox wrote it, which did not keep how steps were sampled: "
+                 "their samples are not shown",
+                 record->folder);
+    record->unknown_said = true;
 }
 
 // The journal keeps the box that was sampled; the one after the step is not there.
@@ -185,40 +150,28 @@ static enum status tell_samples(void *user, const struct journal_step *step, str
     (void)error;
     const struct reading *reading = user;
     const struct journal_search *search = reading->search;
-    const struct scenario *scenario = texts_find(reading->record->texts, &search->scenario);
-    if (step->step < reading->told->sampled || scenario == NULL || step->samples == 0)
+    if (step->step < reading->told->sampled || step->samples == 0)
         return STATUS_OK;
     reading->told->sampled = step->step + 1;
-    const enum search_phase phase = phase_of(step->phase);
-    const uint32_t variables = step->box->count;
-    const uint32_t count = MIN(step->samples, SAMPLES_TOLD);
-    uint8_t *packed =
-        g_malloc(verdict_packed_size_max(count, step->detail) + variables * 4 * sizeof(double));
-    const size_t size = verdict_pack(step->verdicts, count, step->detail, packed);
-    uint8_t *at = packed + size;
-    for (int boxes = 0; boxes < 2; boxes++) {
-        at = put_bounds(at, step->box->lower, variables);
-        at = put_bounds(at, step->box->upper, variables);
+    if (!step->sampling_known) {
+        note_unknown_sampling(reading->record);
+        return STATUS_OK;
     }
-    sobox_step_status_t message = {
-        .header = next_header(reading->record, reading->run),
-        .seed = (int64_t)search->seed,
-        .search = (int32_t)search->index,
-        .step = (int32_t)step->step,
-        .phase = (int8_t)phase,
-        .sampling = (int8_t)sampling_of(phase, scenario),
-        .detail = (int8_t)step->detail,
-        .samples = (int32_t)step->samples,
-        .good = (int32_t)step->good,
-        .count = (int32_t)count,
-        .variables = (int32_t)variables,
-        .window = (int32_t)variables,
-        .packed_size = (int32_t)(at - packed),
-        .packed = packed,
-    };
-    memcpy(message.scenario, search->scenario.bytes, DIGEST_SIZE);
-    feed_step_heard(reading->record->feed, &message, reading->now_ns);
-    g_free(packed);
+    const uint32_t count = MIN(step->samples, SAMPLES_TOLD);
+    struct album_picture *picture = album_picture(count, step->box->count);
+    picture->sampling = (struct sampling){.seed = search->seed,
+                                          .step = step->step,
+                                          .samples = step->samples,
+                                          .method = step->sampling};
+    picture->scenario = search->scenario;
+    picture->phase = phase_of(step->phase);
+    picture->detail = step->detail;
+    picture->good = step->good;
+    memcpy(picture->verdicts, step->verdicts, count * sizeof *picture->verdicts);
+    box_assign(&picture->sampled, step->box);
+    box_assign(&picture->box, step->box);
+    feed_step_read(reading->record->feed, reading->run->id, search->index, picture,
+                   reading->now_ns);
     return STATUS_OK;
 }
 
@@ -306,7 +259,6 @@ static enum status read_search(struct record *record, struct journal *journal,
 static void tell_run(struct record *record, const struct journal_run *run, int64_t now_ns)
 {
     sobox_run_status_t message = {
-        .header = next_header(record, run),
         .state = (int8_t)run->state,
         .searches = (int32_t)run->search_count,
         .elapsed_ns = run->elapsed_ns,
@@ -317,60 +269,53 @@ static void tell_run(struct record *record, const struct journal_run *run, int64
         message.searches_done += told->finished;
     }
     g_strlcpy((char *)message.name, run->name, sizeof message.name);
-    feed_run_heard(record->feed, &message, now_ns);
+    feed_run_read(record->feed, run->id, &message, now_ns);
 }
 
 // ---- Cases ----
 
-static void append_texts(GByteArray *to, const char *first, char *const *rest)
+// A row: a text, then those of a list.
+static void tell_row(struct record *record, const struct journal_run *run, int32_t index,
+                     const char *first, char **rest)
 {
-    g_byte_array_append(to, (const guint8 *)first, (guint)strlen(first) + 1);
-    for (; *rest != NULL; rest++)
-        g_byte_array_append(to, (const guint8 *)*rest, (guint)strlen(*rest) + 1);
+    GPtrArray *texts = g_ptr_array_new();
+    g_ptr_array_add(texts, (char *)first);
+    for (char **text = rest; *text != NULL; text++)
+        g_ptr_array_add(texts, *text);
+    g_ptr_array_add(texts, NULL);
+    feed_case_read(record->feed, run->id, index, (char *const *)texts->pdata);
+    g_ptr_array_unref(texts);
 }
 
-static void tell_texts(struct record *record, const struct journal_run *run, int32_t first,
-                       guint columns, const GByteArray *texts, int64_t now_ns)
+static enum status tell_case(struct record *record, struct journal *journal,
+                             const struct journal_run *run, uint32_t index, guint axes,
+                             struct error *error)
 {
-    const sobox_cases_t message = {
-        .header = next_header(record, run),
-        .first = first,
-        .columns = (int32_t)columns,
-        .text_size = (int32_t)texts->len,
-        .text = texts->data,
-    };
-    feed_cases_heard(record->feed, &message, now_ns);
+    struct journal_search search = {0};
+    char **values = NULL;
+    enum status status = journal_read_search(journal, index, &search, error);
+    if (status == STATUS_OK)
+        status = journal_read_values(journal, index, &values, error);
+    if (status == STATUS_OK && g_strv_length(values) == axes)
+        tell_row(record, run, (int32_t)index, search.name, values);
+    g_strfreev(values);
+    journal_search_fini(&search);
+    return status;
 }
 
 // The names and values of all cases: they never change.
 static enum status tell_cases(struct record *record, struct journal *journal,
-                              const struct journal_run *run, int64_t now_ns, struct error *error)
+                              const struct journal_run *run, struct error *error)
 {
     char **axes = NULL;
-    GByteArray *texts = g_byte_array_new();
     enum status status = journal_read_axes(journal, &axes, error);
-    const guint columns = status == STATUS_OK ? g_strv_length(axes) + 1 : 0;
+    const guint count = status == STATUS_OK ? g_strv_length(axes) : 0;
     record->named = true;
-    if (columns > 1) {
-        append_texts(texts, "case", axes);
-        tell_texts(record, run, -1, columns, texts, now_ns);
-    }
-    const uint32_t count = columns > 1 ? MIN(run->search_count, CASES_KNOWN_MAX) : 0;
-    for (uint32_t i = 0; status == STATUS_OK && i < count; i++) {
-        struct journal_search search = {0};
-        char **values = NULL;
-        status = journal_read_search(journal, i, &search, error);
-        if (status == STATUS_OK)
-            status = journal_read_values(journal, i, &values, error);
-        if (status == STATUS_OK && g_strv_length(values) + 1 == columns) {
-            g_byte_array_set_size(texts, 0);
-            append_texts(texts, search.name, values);
-            tell_texts(record, run, (int32_t)i, columns, texts, now_ns);
-        }
-        g_strfreev(values);
-        journal_search_fini(&search);
-    }
-    g_byte_array_free(texts, TRUE);
+    if (count > 0)
+        tell_row(record, run, -1, "case", axes);
+    const uint32_t cases = count > 0 ? MIN(run->search_count, CASES_KNOWN_MAX) : 0;
+    for (uint32_t i = 0; status == STATUS_OK && i < cases; i++)
+        status = tell_case(record, journal, run, i, count, error);
     g_strfreev(axes);
     return status;
 }
@@ -392,7 +337,7 @@ enum status record_read(struct record *record, int64_t now_ns, struct error *err
         record->run = run.id;
         tell_run(record, &run, now_ns);
         if (!record->named)
-            status = tell_cases(record, journal, &run, now_ns, error);
+            status = tell_cases(record, journal, &run, error);
     }
     if (status == STATUS_OK) {
         record->goes_on = run.state == RUN_STATE_RUNNING;

@@ -117,6 +117,7 @@ static void sample_step_init(struct sample_step *sample, uint32_t search, uint32
                                          .growth = 0.1 * number,
                                          .log_volume = -1.0 / 3 * number,
                                          .box = &sample->box,
+                                         .sampling = (enum sampling_method)(number % 3),
                                          .verdicts = sample->verdicts};
 }
 
@@ -145,6 +146,7 @@ static bool same_bits(const double *a, const double *b, size_t count)
 struct reading {
     uint32_t search;
     uint32_t count; // steps seen, which are numbered from 0
+    bool old;       // of a file that does not say how a step was sampled
 };
 
 static enum status check_sample_step(void *user, const struct journal_step *step,
@@ -166,6 +168,9 @@ static enum status check_sample_step(void *user, const struct journal_step *step
         assert_int_equal(step->verdicts[i].violation, sample.verdicts[i].violation);
         assert_int_equal(step->verdicts[i].constraint, sample.verdicts[i].constraint);
     }
+    assert_int_equal(step->sampling_known, !reading->old);
+    if (!reading->old)
+        assert_int_equal(step->sampling, sample.step.sampling);
     box_fini(&sample.box);
     return STATUS_OK;
 }
@@ -740,9 +745,9 @@ static void wrong_files_are_told_apart(void **state)
     folder_empty(*state);
 
     journal_close(create(*state, 1));
-    tamper(*state, "UPDATE meta SET schema = 3");
+    tamper(*state, "UPDATE meta SET schema = 4");
     read_all(*state, &error);
-    assert_error(&error, STATUS_REFUSED, "version 3");
+    assert_error(&error, STATUS_REFUSED, "version 4");
     assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_REFUSED);
 }
 
@@ -769,6 +774,8 @@ static void lies_are_found(void **state)
         "UPDATE step SET good = good + 1",
         "UPDATE step SET detail = 1",
         "UPDATE step SET detail = 99",
+        "UPDATE step SET sampling = 3",
+        "UPDATE step SET sampling = -1",
         "UPDATE step SET bounds = zeroblob(17)",
         "UPDATE step SET bounds = zeroblob(60000000)",
         "UPDATE step SET bounds = CAST(x'0000000000000040' || zeroblob(8) AS BLOB)",
@@ -943,7 +950,8 @@ static void journal_without_axes_is_still_read(void **state)
     struct journal *journal = create(*state, 1);
     append_ok(journal, 0, 0);
     journal_close(journal);
-    tamper(*state, "UPDATE meta SET schema = 1; DROP TABLE axis; DROP TABLE axis_value");
+    tamper(*state, "UPDATE meta SET schema = 1; DROP TABLE axis; DROP TABLE axis_value;"
+                   "ALTER TABLE step DROP COLUMN sampling");
     struct error error = {0};
     char **axes, **values;
     assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_OK);
@@ -955,6 +963,23 @@ static void journal_without_axes_is_still_read(void **state)
     journal_close(journal);
     g_strfreev(axes);
     g_strfreev(values);
+}
+
+// Runs whose steps do not say how they were sampled go on, and nobody makes a guess of it.
+static void journal_without_samplings_is_still_read(void **state)
+{
+    struct journal *journal = create(*state, 1);
+    append_ok(journal, 0, 0);
+    journal_close(journal);
+    tamper(*state, "UPDATE meta SET schema = 2; ALTER TABLE step DROP COLUMN sampling");
+    struct error error = {0};
+    assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_OK);
+    append_ok(journal, 0, 1);
+    struct reading reading = {.old = true};
+    assert_int_equal(journal_read_steps(journal, 0, check_sample_step, &reading, &error),
+                     STATUS_OK);
+    assert_int_equal(reading.count, 2);
+    journal_close(journal);
 }
 
 // Steps written as one are all there or none, and a reader sees them once they are committed.
@@ -1008,6 +1033,7 @@ int main(void)
         IN_FOLDER(axes_and_values_of_a_sweep_come_back),
         IN_FOLDER(failing_source_leaves_nothing),
         IN_FOLDER(journal_without_axes_is_still_read),
+        IN_FOLDER(journal_without_samplings_is_still_read),
         IN_FOLDER(steps_between_begin_and_commit_are_written_as_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
