@@ -32,8 +32,8 @@
 #include <stdint.h>
 
 // Designs of each kind. Of the shipped cars with one pair of springs the deepest design stands in a
-// corner as a rule: eight times as many designs go no deeper in ten of twelve results, 6 and 21 mm
-// in the others. With five pairs they go up to 59 mm deeper.
+// corner as a rule: eight times as many designs go no deeper in ten of twelve results, 8 and 23 mm
+// in the others. With five pairs they go up to 60 mm deeper.
 enum {
     REACH_POINTS = 1024,
     REACH_CURVES = 512,
