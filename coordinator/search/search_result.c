@@ -1,0 +1,94 @@
+// What a search says of itself: how far it has come, and what it has found.
+#include "coordinator/search/search_state.h"
+
+#include <glib.h>
+
+// Steps still to come if everything goes as it should.
+static uint32_t steps_left(const struct search *search)
+{
+    uint32_t left = 0;
+    // It is not known before it begins which bounds lie on the edge of the design space.
+    if (search->scenario->search.explain_samples > 0 && search->phase < SEARCH_PHASE_EXPLAIN)
+        left += explain_steps_most(search->scenario);
+    switch (search->phase) {
+    case SEARCH_PHASE_SEEK:
+        left += 1 + search->plan.exploration_steps + search->plan.consolidation_steps + 1;
+        break;
+    case SEARCH_PHASE_EXPLORE:
+        left += search->plan.exploration_steps - search->tournament.steps +
+                search->plan.consolidation_steps + 1;
+        break;
+    case SEARCH_PHASE_CONSOLIDATE:
+        left += search->consolidate.step_count - search->consolidate.steps + 1;
+        break;
+    case SEARCH_PHASE_CERTIFY:
+        left += 1;
+        break;
+    case SEARCH_PHASE_EXPLAIN:
+        left += search->explain.step_count - search->explained;
+        break;
+    case SEARCH_PHASE_DONE:
+        break;
+    }
+    return left;
+}
+
+void search_progress(const struct search *search, struct search_progress *progress)
+{
+    const struct search_step *last = &search->last;
+    *progress = (struct search_progress){
+        .phase = search->phase,
+        .step = search->step,
+        .step_count = search->step + steps_left(search),
+        .evaluations = search->evaluations,
+        .good_share = search->step > 0 ? (double)last->good / last->samples : 0,
+        .log_volume = box_log_volume(&search->result, &search->frame.all),
+        .box = &search->result,
+    };
+}
+
+static uint32_t blocking_constraint(const struct search *search)
+{
+    uint32_t most = 0;
+    for (uint32_t i = 1; i < G_N_ELEMENTS(search->blocked); i++) {
+        if (search->blocked[i] > search->blocked[most])
+            most = i;
+    }
+    return most;
+}
+
+static struct digest result_digest(const struct search *search)
+{
+    struct digest_state state;
+    digest_start(&state);
+    digest_doubles(&state, search->result.lower, search->result.count);
+    digest_doubles(&state, search->result.upper, search->result.count);
+    digest_u64(&state, search->counted.status);
+    digest_u64(&state, search->counted.step);
+    digest_u64(&state, search->counted.evaluations);
+    digest_u64(&state, search->counted.non_finite);
+    digest_u64(&state, search->certificate.samples);
+    digest_u64(&state, search->certificate.bad);
+    return digest_end(&state);
+}
+
+void search_result(const struct search *search, struct search_result *result)
+{
+    const struct certificate *certificate = &search->certificate;
+    *result = (struct search_result){
+        .status = search->status,
+        .box = &search->result,
+        .log_volume = box_log_volume(&search->result, &search->frame.all),
+        .evaluations = search->evaluations,
+        .non_finite = search->non_finite + search->non_finite_beside,
+        .steps = search->step,
+        .blocking_constraint = blocking_constraint(search),
+        .digest = result_digest(search),
+    };
+    result->purity.samples = certificate->samples;
+    result->purity.bad = certificate->bad;
+    result->purity.lower95 = certificate->lower95;
+    if (certificate->samples > 0)
+        result->purity.estimate =
+            (double)(certificate->samples - certificate->bad) / (double)certificate->samples;
+}

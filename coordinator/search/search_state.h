@@ -1,0 +1,73 @@
+// What a search remembers from step to step. Inside this folder only.
+#ifndef SOBOX_COORDINATOR_SEARCH_SEARCH_STATE_H
+#define SOBOX_COORDINATOR_SEARCH_SEARCH_STATE_H
+
+#include "coordinator/search/certificate.h"
+#include "coordinator/search/consolidate.h"
+#include "coordinator/search/demands.h"
+#include "coordinator/search/explain.h"
+#include "coordinator/search/frame.h"
+#include "coordinator/search/given.h"
+#include "coordinator/search/plan.h"
+#include "coordinator/search/recall.h"
+#include "coordinator/search/search.h"
+#include "coordinator/search/seek.h"
+#include "coordinator/search/stagnation.h"
+#include "coordinator/search/tournament.h"
+
+// What the digest covers beside the box.
+struct counted {
+    uint32_t step;
+    uint64_t evaluations;
+    uint64_t non_finite;
+    enum search_status status;
+};
+
+struct search {
+    const struct scenario *scenario; // borrowed
+    uint64_t seed;
+    int threads;
+
+    // The free variables, in which everything below is expressed.
+    struct frame frame;
+    struct demands demands;
+
+    // Where the search stands.
+    enum search_phase phase;
+    enum search_status status;
+    struct search_request request;
+    struct box requested; // all variables; request.box points here
+    struct search_step last;
+    uint32_t step; // steps finished
+    uint64_t evaluations;
+    uint64_t non_finite;
+
+    // Seek.
+    struct given given;
+    struct seek seek;
+    uint64_t blocked[256]; // bad samples of the seek by worst constraint
+
+    struct tournament tournament;
+    struct consolidate consolidate;
+    uint32_t samples; // a step of consolidation
+    struct plan plan;
+    struct stagnation stagnation; // of the box that is left, then of the one at rest
+
+    struct certificate certificate;
+
+    // Explain.
+    struct explain explain;
+    uint32_t explained;         // bounds, of explain.step_count
+    uint32_t explain_samples;   // a bound
+    uint64_t non_finite_beside; // in samples of which nothing in the box depends
+    struct counted counted;     // before it
+
+    // The samples of the step that is being completed.
+    struct recall recall;
+    struct survey survey; // the steps since exploration began, the newest
+    uint32_t good_count;
+
+    struct box result; // all variables
+};
+
+#endif
