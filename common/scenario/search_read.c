@@ -1,6 +1,8 @@
 #include "common/scenario/search_read.h"
 
 #include "common/scenario/field.h"
+#include "common/scenario/numbers.h"
+#include "common/scenario/tie_read.h"
 #include "common/scenario/words.h"
 
 #include <assert.h>
@@ -56,204 +58,6 @@ static const struct field search_fields[] = {
     {"tie", FIELD_NODE, .optional = true, AT(search_document, tie)},
 };
 
-// ------------------------------------------------------------------------------------------------
-// Names of variables
-
-// Variables that stand side by side.
-struct range {
-    uint32_t first;
-    uint32_t count;
-};
-
-static struct range spring_range(const struct scenario *scenario, uint32_t index)
-{
-    struct range range = {.count = SCENARIO_DIRECTION_COUNT * scenario->springs[index].point_count};
-    for (uint32_t i = 0; i < index; i++)
-        range.first += SCENARIO_DIRECTION_COUNT * scenario->springs[i].point_count;
-    return range;
-}
-
-// "front" or "front.force_x" of a spring.
-static bool find_in_spring(const struct scenario *scenario, uint32_t index, const char *name,
-                           struct range *range)
-{
-    const char *spring = scenario->springs[index].name;
-    if (!g_str_has_prefix(name, spring))
-        return false;
-    *range = spring_range(scenario, index);
-    name += strlen(spring);
-    if (*name == '\0')
-        return true;
-    range->count = scenario->springs[index].point_count;
-    if (strcmp(name, ".force_x") == 0)
-        return true;
-    range->first += range->count;
-    return strcmp(name, ".force_y") == 0;
-}
-
-static bool find_variables(const struct scenario *scenario, const char *name, struct range *range)
-{
-    for (uint32_t i = 0; i < scenario->spring_count; i++) {
-        if (find_in_spring(scenario, i, name, range))
-            return true;
-    }
-    for (uint32_t i = 0; i < scenario->design_space.count; i++) {
-        if (strcmp(scenario->variables[i].name, name) == 0) {
-            *range = (struct range){i, 1};
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool unknown_variable(const struct tree_node *name, const struct scenario *scenario,
-                             struct error *error)
-{
-    enum { SHOWN_MAX = 12 }; // names that a message has room for
-    if (scenario->spring_count > 0) {
-        tree_error(name, error,
-                   "unknown variable '%s': expected a spring, SPRING.force_x, SPRING.force_y, or "
-                   "one force as %s",
-                   name->text, scenario->variables[0].name);
-        return false;
-    }
-    const char *known[SHOWN_MAX + 1] = {NULL};
-    for (uint32_t i = 0; i < scenario->design_space.count && i < SHOWN_MAX; i++)
-        known[i] = scenario->variables[i].name;
-    return field_unknown_key(name, "variable", known, error);
-}
-
-// ------------------------------------------------------------------------------------------------
-// Numbers, one a variable
-
-struct numbers {
-    double *values;                 // (variables) NAN where none is given
-    const struct tree_node **nodes; // (variables) where each stands
-};
-
-static void numbers_init(struct numbers *numbers, uint32_t count)
-{
-    numbers->values = g_new(double, count);
-    numbers->nodes = g_new0(const struct tree_node *, count);
-    for (uint32_t i = 0; i < count; i++)
-        numbers->values[i] = NAN;
-}
-
-static void numbers_fini(struct numbers *numbers)
-{
-    g_free(numbers->values);
-    g_free(numbers->nodes);
-}
-
-// The crash model's variables are forces; what others are is not known.
-static const char *unit_of(const struct scenario *scenario)
-{
-    return scenario->model == SCENARIO_MODEL_SMALL_OVERLAP ? "N" : NULL;
-}
-
-static bool read_range(const struct tree_node *node, struct range variables,
-                       const struct field_range *range, const char *unit, struct numbers *numbers,
-                       struct error *error)
-{
-    if (!field_read_numbers(node, range, unit, numbers->values + variables.first, variables.count,
-                            error))
-        return false;
-    for (uint32_t i = 0; i < variables.count; i++)
-        numbers->nodes[variables.first + i] = node->kind == TREE_SEQUENCE ? node->items[i] : node;
-    return true;
-}
-
-static bool read_named(const struct tree_node *mapping, const struct scenario *scenario,
-                       const struct field_range *range, const char *unit, struct numbers *numbers,
-                       struct error *error)
-{
-    for (uint32_t i = 0; i < mapping->count; i++) {
-        struct range variables;
-        if (!find_variables(scenario, mapping->keys[i]->text, &variables))
-            return unknown_variable(mapping->keys[i], scenario, error);
-        for (uint32_t v = variables.first; v < variables.first + variables.count; v++) {
-            if (numbers->nodes[v] == NULL)
-                continue;
-            tree_error(mapping->keys[i], error, "%s is given twice: expected it once",
-                       scenario->variables[v].name);
-            return false;
-        }
-        if (!read_range(mapping->items[i], variables, range, unit, numbers, error))
-            return false;
-    }
-    return true;
-}
-
-static bool read_numbers(const struct tree_node *node, const struct scenario *scenario,
-                         const struct field_range *range, const char *unit, struct numbers *numbers,
-                         struct error *error)
-{
-    const struct range all = {0, scenario->design_space.count};
-    return node->kind == TREE_MAPPING ? read_named(node, scenario, range, unit, numbers, error)
-                                      : read_range(node, all, range, unit, numbers, error);
-}
-
-// Takes the values; what is not given becomes `otherwise`.
-static double *take_values(struct numbers *numbers, uint32_t count, double otherwise)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        if (numbers->nodes[i] == NULL)
-            numbers->values[i] = otherwise;
-    }
-    return g_steal_pointer(&numbers->values);
-}
-
-// Reads numbers of which not all need be given. Returns NULL with `error` filled.
-static double *read_partial(const struct tree_node *node, const struct scenario *scenario,
-                            const struct field_range *range, const char *unit, double otherwise,
-                            struct error *error)
-{
-    const uint32_t count = scenario->design_space.count;
-    struct numbers numbers;
-    numbers_init(&numbers, count);
-    double *values = NULL;
-    if (read_numbers(node, scenario, range, unit, &numbers, error))
-        values = take_values(&numbers, count, otherwise);
-    numbers_fini(&numbers);
-    return values;
-}
-
-// Whether every given number lies in the design space.
-static bool inside_space(const struct numbers *numbers, const struct scenario *scenario,
-                         struct error *error)
-{
-    const struct box *space = &scenario->design_space;
-    for (uint32_t i = 0; i < space->count; i++) {
-        if (numbers->nodes[i] == NULL ||
-            (numbers->values[i] >= space->lower[i] && numbers->values[i] <= space->upper[i]))
-            continue;
-        tree_error(numbers->nodes[i], error,
-                   "expected %s inside the design space, %.15g to %.15g, found %.15g",
-                   scenario->variables[i].name, space->lower[i], space->upper[i],
-                   numbers->values[i]);
-        return false;
-    }
-    return true;
-}
-
-// Whether every free variable has a number; fixed ones get the one they have.
-static bool complete(struct numbers *numbers, const struct tree_node *node,
-                     const struct scenario *scenario, struct error *error)
-{
-    const struct box *space = &scenario->design_space;
-    for (uint32_t i = 0; i < space->count; i++) {
-        if (numbers->nodes[i] != NULL)
-            continue;
-        if (space->lower[i] < space->upper[i]) {
-            tree_error(node, error, "%s is missing: expected a number for every free variable",
-                       scenario->variables[i].name);
-            return false;
-        }
-        numbers->values[i] = space->lower[i];
-    }
-    return true;
-}
-
 // Reads a design. Returns NULL with `error` filled.
 static double *read_design(const struct tree_node *node, const struct scenario *scenario,
                            struct error *error)
@@ -262,8 +66,9 @@ static double *read_design(const struct tree_node *node, const struct scenario *
     struct numbers numbers;
     numbers_init(&numbers, scenario->design_space.count);
     double *values = NULL;
-    if (read_numbers(node, scenario, &any, unit_of(scenario), &numbers, error) &&
-        inside_space(&numbers, scenario, error) && complete(&numbers, node, scenario, error))
+    if (numbers_read(node, scenario, &any, numbers_unit(scenario), &numbers, error) &&
+        numbers_inside_space(&numbers, scenario, error) &&
+        numbers_complete(&numbers, node, scenario, error))
         values = g_steal_pointer(&numbers.values);
     numbers_fini(&numbers);
     return values;
@@ -337,8 +142,8 @@ static double *read_held(const struct tree_node *node, const struct scenario *sc
     struct numbers numbers;
     numbers_init(&numbers, scenario->design_space.count);
     double *values = NULL;
-    if (read_numbers(node, scenario, &any, unit_of(scenario), &numbers, error) &&
-        inside_space(&numbers, scenario, error))
+    if (numbers_read(node, scenario, &any, numbers_unit(scenario), &numbers, error) &&
+        numbers_inside_space(&numbers, scenario, error))
         values = g_steal_pointer(&numbers.values);
     numbers_fini(&numbers);
     return values;
@@ -399,121 +204,6 @@ static bool read_hold(const struct tree_node *node, const struct scenario *scena
     }
     return leaves_freedom(node, scenario, hold, error);
 }
-
-// ------------------------------------------------------------------------------------------------
-// Ties
-
-// Two tied springs stand for each other point by point, so they must have the same ones.
-static bool same_points(const struct scenario *scenario, struct range a, struct range b)
-{
-    if (a.count != b.count)
-        return false;
-    for (uint32_t i = 0; a.count > 1 && i < a.count; i++) {
-        const struct scenario_variable *one = &scenario->variables[a.first + i];
-        const struct scenario_variable *other = &scenario->variables[b.first + i];
-        if (scenario->springs[one->spring].deformation[one->point] !=
-            scenario->springs[other->spring].deformation[other->point])
-            return false;
-    }
-    return true;
-}
-
-static bool tie_variable(const struct tree_node *node, const struct scenario *scenario,
-                         uint32_t variable, uint32_t first, uint32_t *tie, struct error *error)
-{
-    const struct box *space = &scenario->design_space;
-    if (space->lower[variable] != space->lower[first] ||
-        space->upper[variable] != space->upper[first]) {
-        tree_error(node, error,
-                   "expected the design space of %s for %s too, %.15g to %.15g, found %.15g to "
-                   "%.15g",
-                   scenario->variables[first].name, scenario->variables[variable].name,
-                   space->lower[first], space->upper[first], space->lower[variable],
-                   space->upper[variable]);
-        return false;
-    }
-    tie[variable] = first;
-    return true;
-}
-
-// One list of names that share a corridor. `taken` marks variables of lists before.
-static bool read_tie_list(const struct tree_node *list, const struct scenario *scenario,
-                          bool *taken, uint32_t *tie, struct error *error)
-{
-    char shown[TREE_SHOWN_SIZE];
-    if (list->kind != TREE_SEQUENCE || list->count < 2) {
-        tree_error(list, error, "expected a list of at least 2 names, found %s",
-                   tree_shown(list, shown));
-        return false;
-    }
-    struct range first = {0};
-    for (uint32_t i = 0; i < list->count; i++) {
-        const struct tree_node *name = list->items[i];
-        struct range range;
-        if (name->kind != TREE_SCALAR) {
-            tree_error(name, error, "expected a name, found %s", tree_shown(name, shown));
-            return false;
-        }
-        if (!find_variables(scenario, name->text, &range))
-            return unknown_variable(name, scenario, error);
-        if (i == 0)
-            first = range;
-        if (!same_points(scenario, first, range)) {
-            tree_error(name, error, "expected the discretization points of %s for %s too",
-                       list->items[0]->text, name->text);
-            return false;
-        }
-        for (uint32_t k = 0; k < range.count; k++) {
-            if (taken[range.first + k]) {
-                tree_error(name, error, "%s is tied twice: expected it once",
-                           scenario->variables[range.first + k].name);
-                return false;
-            }
-            taken[range.first + k] = true;
-            if (i > 0 &&
-                !tie_variable(name, scenario, range.first + k, first.first + k, tie, error))
-                return false;
-        }
-    }
-    return true;
-}
-
-// Lists name variables in any order; the struct points at the lowest of each.
-static void point_at_lowest(uint32_t *tie, uint32_t count)
-{
-    uint32_t *lowest = g_new(uint32_t, count);
-    for (uint32_t i = 0; i < count; i++)
-        lowest[i] = UINT32_MAX;
-    for (uint32_t i = 0; i < count; i++)
-        lowest[tie[i]] = MIN(lowest[tie[i]], i);
-    for (uint32_t i = 0; i < count; i++)
-        tie[i] = lowest[tie[i]];
-    g_free(lowest);
-}
-
-static bool read_tie(const struct tree_node *node, const struct scenario *scenario,
-                     struct scenario_search *search, struct error *error)
-{
-    char shown[TREE_SHOWN_SIZE];
-    const uint32_t count = scenario->design_space.count;
-    if (node->kind != TREE_SEQUENCE || node->count < 1) {
-        tree_error(node, error, "expected a list of lists of names that share a corridor, found %s",
-                   tree_shown(node, shown));
-        return false;
-    }
-    search->tie = g_new(uint32_t, count);
-    for (uint32_t i = 0; i < count; i++)
-        search->tie[i] = i;
-    bool *taken = g_new0(bool, count), read = true;
-    for (uint32_t i = 0; i < node->count && read; i++)
-        read = read_tie_list(node->items[i], scenario, taken, search->tie, error);
-    g_free(taken);
-    point_at_lowest(search->tie, count);
-    return read;
-}
-
-// ------------------------------------------------------------------------------------------------
-// Checks across keys
 
 static bool same_number(const double *numbers, uint32_t a, uint32_t b)
 {
@@ -646,12 +336,12 @@ static bool read_lists(const struct tree_node *node, const struct search_documen
         return false;
     }
     if (document->weights != NULL &&
-        (search->weights = read_partial(document->weights, scenario, &positive, NULL, 1, error)) ==
-            NULL)
+        (search->weights =
+             numbers_read_partial(document->weights, scenario, &positive, NULL, 1, error)) == NULL)
         return false;
-    if (document->minimum_widths != NULL &&
-        (search->minimum_widths = read_partial(document->minimum_widths, scenario, &not_negative,
-                                               unit_of(scenario), 0, error)) == NULL)
+    if (document->minimum_widths != NULL && (search->minimum_widths = numbers_read_partial(
+                                                 document->minimum_widths, scenario, &not_negative,
+                                                 numbers_unit(scenario), 0, error)) == NULL)
         return false;
     if (document->reference != NULL &&
         (search->reference = read_design(document->reference, scenario, error)) == NULL)
@@ -660,7 +350,7 @@ static bool read_lists(const struct tree_node *node, const struct search_documen
            (document->start_box == NULL ||
             read_start_box(document->start_box, scenario, search, error)) &&
            (document->hold == NULL || read_hold(document->hold, scenario, search, error)) &&
-           (document->tie == NULL || read_tie(document->tie, scenario, search, error)) &&
+           (document->tie == NULL || tie_read(document->tie, scenario, search, error)) &&
            check_tie(node, scenario, search, error) &&
            check_minimum_widths(node, scenario, search, error) &&
            check_places(node, scenario, search, error);

@@ -14,27 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// The REAL columns are for people; `exact` repeats them bit by bit and is what is read back. A
-// step's id is its place, (search << 32) + step, so that one B-tree serves key, order and row.
-static const char SCHEMA[] =
-    "CREATE TABLE meta (schema INTEGER NOT NULL) STRICT;"
-    "CREATE TABLE run (id INTEGER NOT NULL, name TEXT NOT NULL, version TEXT NOT NULL,"
-    " state TEXT NOT NULL, search_count INTEGER NOT NULL, started_ns INTEGER NOT NULL,"
-    " elapsed_ns INTEGER NOT NULL) STRICT;"
-    "CREATE TABLE axis (number INTEGER PRIMARY KEY, path TEXT NOT NULL) STRICT;"
-    "CREATE TABLE axis_value (search INTEGER NOT NULL, axis INTEGER NOT NULL, value TEXT NOT NULL,"
-    " PRIMARY KEY (search, axis)) STRICT, WITHOUT ROWID;"
-    "CREATE TABLE search (number INTEGER PRIMARY KEY, name TEXT NOT NULL, scenario TEXT NOT NULL,"
-    " scenario_digest BLOB NOT NULL, seed INTEGER NOT NULL,"
-    " finished INTEGER NOT NULL DEFAULT 0, status TEXT NOT NULL DEFAULT 'running',"
-    " log_volume REAL, purity_samples INTEGER, purity_bad INTEGER, purity_estimate REAL,"
-    " purity_lower95 REAL, evaluations INTEGER, non_finite INTEGER, steps INTEGER,"
-    " blocking_constraint TEXT, wall_ns INTEGER, exact BLOB, bounds BLOB, digest BLOB) STRICT;"
-    "CREATE TABLE step (id INTEGER PRIMARY KEY, search INTEGER NOT NULL, step INTEGER NOT NULL,"
-    " phase TEXT NOT NULL, samples INTEGER NOT NULL, good INTEGER NOT NULL, growth REAL,"
-    " log_volume REAL, exact BLOB NOT NULL, bounds BLOB NOT NULL, detail INTEGER NOT NULL,"
-    " verdicts BLOB NOT NULL, sampling INTEGER NOT NULL) STRICT;";
-
 // A file of an older schema is continued as it is.
 #define APPEND(column, value)                                                                      \
     "INSERT INTO step (id, search, step, phase, samples, good, growth, log_volume, exact, bounds," \
@@ -117,15 +96,15 @@ sqlite3_stmt *journal_prepare(struct journal *journal, const char *sql, struct e
 
 // ---- opening ----
 
-static enum status execute(struct journal *journal, const char *sql, const char *what,
-                           struct error *error)
+enum status journal_execute(struct journal *journal, const char *sql, const char *what,
+                            struct error *error)
 {
     if (sqlite3_exec(journal->database, sql, NULL, NULL, NULL) != SQLITE_OK)
         return journal_failure(journal, what, error);
     return STATUS_OK;
 }
 
-static struct journal *journal_new(const char *directory)
+struct journal *journal_new(const char *directory)
 {
     struct journal *journal = g_new0(struct journal, 1);
     journal->path = g_build_filename(directory, "run.db", NULL);
@@ -136,8 +115,8 @@ static struct journal *journal_new(const char *directory)
 
 // Opens the file and takes away everything a database that was made to deceive could use against
 // its reader: triggers, views, schemas that call functions, huge values.
-static enum status database_open(struct journal *journal, const char *name, int flags,
-                                 struct error *error)
+enum status journal_database_open(struct journal *journal, const char *name, int flags,
+                                  struct error *error)
 {
     if (sqlite3_open_v2(name, &journal->database, flags | SQLITE_OPEN_EXRESCODE, NULL) != SQLITE_OK)
         return journal_failure(journal, "cannot be opened", error);
@@ -148,18 +127,19 @@ static enum status database_open(struct journal *journal, const char *name, int 
     sqlite3_db_config(database, SQLITE_DBCONFIG_ENABLE_VIEW, 0, NULL);
     sqlite3_limit(database, SQLITE_LIMIT_LENGTH, JOURNAL_BLOB_SIZE_MAX);
     sqlite3_busy_timeout(database, 5000); // a reader that recovers a dead coordinator's log
-    return execute(journal, "PRAGMA cell_size_check = ON", "cannot be opened", error);
+    return journal_execute(journal, "PRAGMA cell_size_check = ON", "cannot be opened", error);
 }
 
 // Where the file system has no shared memory SQLite keeps its rollback journal instead: slower,
 // as durable, so the answer to journal_mode is not looked at.
-static enum status writing_start(struct journal *journal, struct error *error)
+enum status journal_writing_start(struct journal *journal, struct error *error)
 {
     const bool old = journal->schema < JOURNAL_SCHEMA_SAMPLING;
-    enum status status = execute(journal,
-                                 "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"
-                                 "PRAGMA wal_autocheckpoint = 4000; PRAGMA temp_store = MEMORY",
-                                 "cannot be written", error);
+    enum status status =
+        journal_execute(journal,
+                        "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"
+                        "PRAGMA wal_autocheckpoint = 4000; PRAGMA temp_store = MEMORY",
+                        "cannot be written", error);
     if (status == STATUS_OK &&
         sqlite3_prepare_v3(journal->database, old ? APPEND_STEP_OLD : APPEND_STEP, -1,
                            SQLITE_PREPARE_PERSISTENT, &journal->append, NULL) != SQLITE_OK)
@@ -213,8 +193,9 @@ static enum status check_schema(struct journal *journal, struct error *error)
 // A reader looks at one moment of the run, however long it takes.
 static enum status snapshot_start(struct journal *journal, struct error *error)
 {
-    return execute(journal, "PRAGMA query_only = ON; BEGIN; SELECT count(*) FROM sqlite_schema",
-                   "cannot be read", error);
+    return journal_execute(journal,
+                           "PRAGMA query_only = ON; BEGIN; SELECT count(*) FROM sqlite_schema",
+                           "cannot be read", error);
 }
 
 // In a folder where nothing can be created SQLite cannot open a database in WAL mode, but when no
@@ -231,7 +212,8 @@ static enum status read_only_open(struct journal *journal, struct error *error)
     char *absolute = g_canonicalize_filename(journal->path, NULL);
     char *escaped = g_uri_escape_string(absolute, "/", FALSE);
     char *uri = g_strdup_printf("file://%s?immutable=1", escaped);
-    enum status status = database_open(journal, uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, error);
+    enum status status =
+        journal_database_open(journal, uri, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, error);
     if (status == STATUS_OK)
         status = snapshot_start(journal, error);
     g_free(uri);
@@ -244,7 +226,8 @@ static enum status read_only_open(struct journal *journal, struct error *error)
 // the last one out tidies up: a read-only connection leaves its run.db-wal and run.db-shm behind.
 static enum status open_to_read(struct journal *journal, struct error *error)
 {
-    enum status status = database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
+    enum status status =
+        journal_database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
     if (status == STATUS_OK)
         status = snapshot_start(journal, error);
     int code = sqlite3_errcode(journal->database) & 0xff;
@@ -259,7 +242,7 @@ static enum status open_to_write(struct journal *journal, const char *directory,
     enum status status = journal_lock_take(&journal->lock, directory, error);
     if (status != STATUS_OK)
         return status;
-    return database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
+    return journal_database_open(journal, journal->path, SQLITE_OPEN_READWRITE, error);
 }
 
 enum status journal_open(struct journal **result, const char *directory, enum journal_mode mode,
@@ -282,7 +265,7 @@ enum status journal_open(struct journal **result, const char *directory, enum jo
     if (status == STATUS_OK)
         status = check_schema(journal, error);
     if (status == STATUS_OK && mode == JOURNAL_RESUME)
-        status = writing_start(journal, error);
+        status = journal_writing_start(journal, error);
     if (status != STATUS_OK) {
         journal_close(journal);
         return status;
@@ -306,227 +289,23 @@ void journal_close(struct journal *journal)
 
 // ---- writing ----
 
-static int bind_text(sqlite3_stmt *statement, int column, const char *text)
+int journal_bind_text(sqlite3_stmt *statement, int column, const char *text)
 {
     return sqlite3_bind_text(statement, column, text, -1, SQLITE_STATIC);
 }
 
-static int bind_blob(sqlite3_stmt *statement, int column, const void *bytes, size_t size)
+int journal_bind_blob(sqlite3_stmt *statement, int column, const void *bytes, size_t size)
 {
     // Without an address SQLite would bind NULL, which is not an empty blob.
     return sqlite3_bind_blob64(statement, column, size > 0 ? bytes : "", size, SQLITE_STATIC);
 }
 
-static enum status run_statement(struct journal *journal, sqlite3_stmt *statement, const char *what,
-                                 struct error *error)
+enum status journal_run_statement(struct journal *journal, sqlite3_stmt *statement,
+                                  const char *what, struct error *error)
 {
     if (sqlite3_step(statement) == SQLITE_DONE)
         return STATUS_OK;
     return journal_failure(journal, what, error);
-}
-
-static enum status insert_run(struct journal *journal, const struct journal_run *run,
-                              uint32_t search_count, struct error *error)
-{
-    sqlite3_stmt *statement =
-        journal_prepare(journal, "INSERT INTO run VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)", error);
-    if (statement == NULL)
-        return STATUS_IO;
-    sqlite3_bind_int64(statement, 1, (int64_t)run->id);
-    bind_text(statement, 2, run->name);
-    bind_text(statement, 3, run->version);
-    bind_text(statement, 4, protocol_run_state_name(run->state));
-    sqlite3_bind_int64(statement, 5, search_count);
-    sqlite3_bind_int64(statement, 6, run->started_ns);
-    sqlite3_bind_int64(statement, 7, run->elapsed_ns);
-    enum status status = run_statement(journal, statement, "cannot write the run", error);
-    sqlite3_finalize(statement);
-    return status;
-}
-
-// What is to be written at the creation.
-struct contents {
-    const struct journal_run *run;
-    const char *const *axes;
-    uint32_t axis_count;
-    journal_source *next;
-    void *user;
-};
-
-static enum status insert_axes(struct journal *journal, const struct contents *contents,
-                               struct error *error)
-{
-    sqlite3_stmt *statement = journal_prepare(journal, "INSERT INTO axis VALUES (?1, ?2)", error);
-    enum status status = statement != NULL ? STATUS_OK : STATUS_IO;
-    for (uint32_t i = 0; i < contents->axis_count && status == STATUS_OK; i++) {
-        sqlite3_bind_int64(statement, 1, i);
-        bind_text(statement, 2, contents->axes[i]);
-        status = run_statement(journal, statement, "cannot write an axis", error);
-        sqlite3_reset(statement);
-    }
-    sqlite3_finalize(statement);
-    return status;
-}
-
-static enum status insert_search(struct journal *journal, sqlite3_stmt *statement,
-                                 const struct journal_search *search, struct error *error)
-{
-    sqlite3_bind_int64(statement, 1, search->index);
-    bind_text(statement, 2, search->name);
-    sqlite3_bind_text64(statement, 3, search->text, search->text_size, SQLITE_STATIC, SQLITE_UTF8);
-    bind_blob(statement, 4, search->scenario.bytes, DIGEST_SIZE);
-    sqlite3_bind_int64(statement, 5, (int64_t)search->seed);
-    enum status status = run_statement(journal, statement, "cannot write a search", error);
-    sqlite3_reset(statement);
-    return status;
-}
-
-static enum status insert_values(struct journal *journal, sqlite3_stmt *statement,
-                                 const struct journal_search *search, uint32_t axis_count,
-                                 struct error *error)
-{
-    enum status status = STATUS_OK;
-    for (uint32_t i = 0; i < axis_count && status == STATUS_OK; i++) {
-        sqlite3_bind_int64(statement, 1, search->index);
-        sqlite3_bind_int64(statement, 2, i);
-        bind_text(statement, 3, search->values[i]);
-        status = run_statement(journal, statement, "cannot write a case", error);
-        sqlite3_reset(statement);
-    }
-    return status;
-}
-
-static enum status insert_searches(struct journal *journal, const struct contents *contents,
-                                   uint32_t *count, struct error *error)
-{
-    sqlite3_stmt *searches =
-        journal_prepare(journal,
-                        "INSERT INTO search (number, name, scenario, scenario_digest, seed) VALUES "
-                        "(?1, ?2, ?3, ?4, ?5)",
-                        error);
-    sqlite3_stmt *values =
-        journal_prepare(journal, "INSERT INTO axis_value VALUES (?1, ?2, ?3)", error);
-    enum status status = searches != NULL && values != NULL ? STATUS_OK : STATUS_IO;
-    bool more = true;
-    for (*count = 0; status == STATUS_OK; ++*count) {
-        struct journal_search search = {0};
-        status = contents->next(contents->user, &search, &more, error);
-        if (status != STATUS_OK || !more)
-            break;
-        status = insert_search(journal, searches, &search, error);
-        if (status == STATUS_OK)
-            status = insert_values(journal, values, &search, contents->axis_count, error);
-    }
-    sqlite3_finalize(values);
-    sqlite3_finalize(searches);
-    return status;
-}
-
-static enum status create_contents(struct journal *journal, const struct contents *contents,
-                                   struct error *error)
-{
-    char *schema = g_strdup_printf("BEGIN; PRAGMA application_id = %d; %s"
-                                   "INSERT INTO meta VALUES (%d);",
-                                   JOURNAL_APPLICATION_ID, SCHEMA, JOURNAL_SCHEMA);
-    uint32_t count = 0;
-    enum status status = execute(journal, schema, "cannot be created", error);
-    g_free(schema);
-    if (status == STATUS_OK)
-        status = insert_axes(journal, contents, error);
-    if (status == STATUS_OK)
-        status = insert_searches(journal, contents, &count, error);
-    if (status == STATUS_OK)
-        status = insert_run(journal, contents->run, count, error);
-    if (status == STATUS_OK)
-        status = execute(journal, "COMMIT", "cannot be created", error);
-    return status;
-}
-
-// Removes what a failed creation left, so that nothing half-written looks like a run.
-static void remove_files(const char *path)
-{
-    static const char *const SUFFIXES[] = {"", "-wal", "-shm", "-journal"};
-    for (size_t i = 0; i < G_N_ELEMENTS(SUFFIXES); i++) {
-        char *file = g_strconcat(path, SUFFIXES[i], NULL);
-        unlink(file);
-        g_free(file);
-    }
-}
-
-// The first pages go in without an fsync(): nothing is promised before the transaction is whole.
-static enum status create_database(struct journal *journal, const struct contents *contents,
-                                   struct error *error)
-{
-    enum status status =
-        database_open(journal, journal->path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, error);
-    if (status == STATUS_OK)
-        status = execute(journal, "PRAGMA synchronous = OFF; PRAGMA journal_mode = WAL",
-                         "cannot be created", error);
-    if (status == STATUS_OK)
-        status = create_contents(journal, contents, error);
-    if (status == STATUS_OK)
-        status = writing_start(journal, error);
-    return status;
-}
-
-enum status journal_create_from(struct journal **result, const char *directory,
-                                const struct journal_run *run, const char *const *axes,
-                                uint32_t axis_count, journal_source *next, void *user,
-                                struct error *error)
-{
-    assert(axis_count <= JOURNAL_AXIS_MAX);
-    const struct contents contents = {
-        .run = run, .axes = axes, .axis_count = axis_count, .next = next, .user = user};
-    *result = NULL;
-    struct journal *journal = journal_new(directory);
-    journal->schema = JOURNAL_SCHEMA;
-    enum status status = journal_lock_take(&journal->lock, directory, error);
-    if (status == STATUS_OK && access(journal->path, F_OK) == 0)
-        status = error_set(error, STATUS_IO, "%s: there is a run already; choose another folder",
-                           journal->path);
-    else if (status == STATUS_OK) {
-        status = create_database(journal, &contents, error);
-        if (status != STATUS_OK) {
-            sqlite3_finalize(journal->append);
-            sqlite3_close(journal->database);
-            journal->append = NULL;
-            journal->database = NULL;
-            remove_files(journal->path);
-        }
-    }
-    if (status != STATUS_OK) {
-        journal_close(journal);
-        return status;
-    }
-    *result = journal;
-    return STATUS_OK;
-}
-
-// Searches that lie one after the other in memory.
-struct listing {
-    const struct journal_search *searches;
-    uint32_t count;
-};
-
-static enum status next_listed(void *user, struct journal_search *search, bool *more,
-                               struct error *error)
-{
-    (void)error;
-    struct listing *listing = user;
-    *more = listing->count > 0;
-    if (*more) {
-        *search = *listing->searches++;
-        listing->count--;
-    }
-    return STATUS_OK;
-}
-
-enum status journal_create(struct journal **result, const char *directory,
-                           const struct journal_run *run, const struct journal_search *searches,
-                           struct error *error)
-{
-    struct listing listing = {.searches = searches, .count = run->search_count};
-    return journal_create_from(result, directory, run, NULL, 0, next_listed, &listing, error);
 }
 
 static void pack_box(GByteArray *bytes, const struct box *box)
@@ -571,18 +350,18 @@ enum status journal_append(struct journal *journal, const struct journal_step *s
     sqlite3_bind_int64(append, 1, journal_step_id(step->search, step->step));
     sqlite3_bind_int64(append, 2, step->search);
     sqlite3_bind_int64(append, 3, step->step);
-    bind_text(append, 4, step->phase);
+    journal_bind_text(append, 4, step->phase);
     sqlite3_bind_int64(append, 5, step->samples);
     sqlite3_bind_int64(append, 6, step->good);
     sqlite3_bind_double(append, 7, step->growth);
     sqlite3_bind_double(append, 8, step->log_volume);
-    bind_blob(append, 9, journal->bounds->data + box_size, 2 * sizeof(double));
-    bind_blob(append, 10, journal->bounds->data, box_size);
+    journal_bind_blob(append, 9, journal->bounds->data + box_size, 2 * sizeof(double));
+    journal_bind_blob(append, 10, journal->bounds->data, box_size);
     sqlite3_bind_int64(append, 11, step->detail);
-    bind_blob(append, 12, journal->verdicts->data, verdicts_size);
+    journal_bind_blob(append, 12, journal->verdicts->data, verdicts_size);
     if (journal->schema >= JOURNAL_SCHEMA_SAMPLING)
         sqlite3_bind_int64(append, 13, step->sampling);
-    enum status status = run_statement(journal, append, "cannot write a step", error);
+    enum status status = journal_run_statement(journal, append, "cannot write a step", error);
     sqlite3_reset(append);
     return status;
 }
@@ -596,7 +375,7 @@ static const char FINISH[] =
 static void bind_result(sqlite3_stmt *statement, const struct journal_search *search)
 {
     sqlite3_bind_int64(statement, 1, search->index);
-    bind_text(statement, 2, search->status);
+    journal_bind_text(statement, 2, search->status);
     sqlite3_bind_double(statement, 3, search->log_volume);
     sqlite3_bind_int64(statement, 4, (int64_t)search->purity_samples);
     sqlite3_bind_int64(statement, 5, (int64_t)search->purity_bad);
@@ -605,9 +384,9 @@ static void bind_result(sqlite3_stmt *statement, const struct journal_search *se
     sqlite3_bind_int64(statement, 8, (int64_t)search->evaluations);
     sqlite3_bind_int64(statement, 9, (int64_t)search->non_finite);
     sqlite3_bind_int64(statement, 10, search->steps);
-    bind_text(statement, 11, search->blocking_constraint);
+    journal_bind_text(statement, 11, search->blocking_constraint);
     sqlite3_bind_int64(statement, 12, search->wall_ns);
-    bind_blob(statement, 15, search->digest.bytes, DIGEST_SIZE);
+    journal_bind_blob(statement, 15, search->digest.bytes, DIGEST_SIZE);
 }
 
 enum status journal_finish_search(struct journal *journal, const struct journal_search *search,
@@ -623,9 +402,9 @@ enum status journal_finish_search(struct journal *journal, const struct journal_
         (const double[]){search->log_volume, search->purity_estimate, search->purity_lower95}, 3);
     pack_box(journal->bounds, &search->box);
     bind_result(statement, search);
-    bind_blob(statement, 13, exact->data, exact->len);
-    bind_blob(statement, 14, journal->bounds->data, journal->bounds->len);
-    enum status status = run_statement(journal, statement, "cannot write a result", error);
+    journal_bind_blob(statement, 13, exact->data, exact->len);
+    journal_bind_blob(statement, 14, journal->bounds->data, journal->bounds->len);
+    enum status status = journal_run_statement(journal, statement, "cannot write a result", error);
     sqlite3_finalize(statement);
     g_byte_array_unref(exact);
     if (status == STATUS_OK && sqlite3_changes(journal->database) != 1)
@@ -641,7 +420,7 @@ enum status journal_fail_search(struct journal *journal, uint32_t index, struct 
     if (statement == NULL)
         return STATUS_IO;
     sqlite3_bind_int64(statement, 1, index);
-    enum status status = run_statement(journal, statement, "cannot write a result", error);
+    enum status status = journal_run_statement(journal, statement, "cannot write a result", error);
     sqlite3_finalize(statement);
     return status;
 }
@@ -649,7 +428,7 @@ enum status journal_fail_search(struct journal *journal, uint32_t index, struct 
 enum status journal_begin(struct journal *journal, struct error *error)
 {
     assert(journal->append != NULL); // opened to write
-    return execute(journal, "BEGIN", "cannot be written", error);
+    return journal_execute(journal, "BEGIN", "cannot be written", error);
 }
 
 enum status journal_commit(struct journal *journal, struct error *error)
@@ -657,7 +436,7 @@ enum status journal_commit(struct journal *journal, struct error *error)
     // SQLite takes a transaction back by itself when its disk is full.
     if (sqlite3_get_autocommit(journal->database))
         return STATUS_OK;
-    return execute(journal, "COMMIT", "cannot be written", error);
+    return journal_execute(journal, "COMMIT", "cannot be written", error);
 }
 
 enum status journal_state(struct journal *journal, enum run_state state, int64_t elapsed_ns,
@@ -668,9 +447,9 @@ enum status journal_state(struct journal *journal, enum run_state state, int64_t
         journal_prepare(journal, "UPDATE run SET state = ?1, elapsed_ns = ?2", error);
     if (statement == NULL)
         return STATUS_IO;
-    bind_text(statement, 1, protocol_run_state_name(state));
+    journal_bind_text(statement, 1, protocol_run_state_name(state));
     sqlite3_bind_int64(statement, 2, elapsed_ns);
-    enum status status = run_statement(journal, statement, "cannot write its state", error);
+    enum status status = journal_run_statement(journal, statement, "cannot write its state", error);
     sqlite3_finalize(statement);
     return status;
 }

@@ -39,6 +39,28 @@ enum status journal_damaged(struct journal *journal, const char *what, struct er
 // Prepares a statement that is used once; NULL with the error set when that fails.
 sqlite3_stmt *journal_prepare(struct journal *journal, const char *sql, struct error *error);
 
+// Makes a journal of `directory` that is not open yet.
+struct journal *journal_new(const char *directory);
+
+// Opens the database `name` with SQLite's `flags`.
+enum status journal_database_open(struct journal *journal, const char *name, int flags,
+                                  struct error *error);
+
+// Gets ready for appends.
+enum status journal_writing_start(struct journal *journal, struct error *error);
+
+// Runs statements that return nothing; `what` says what failed otherwise.
+enum status journal_execute(struct journal *journal, const char *sql, const char *what,
+                            struct error *error);
+
+// Runs a prepared statement that returns nothing.
+enum status journal_run_statement(struct journal *journal, sqlite3_stmt *statement,
+                                  const char *what, struct error *error);
+
+// Bind a text or bytes that outlive the statement's run. Return SQLite's result.
+int journal_bind_text(sqlite3_stmt *statement, int column, const char *text);
+int journal_bind_blob(sqlite3_stmt *statement, int column, const void *bytes, size_t size);
+
 // Appends doubles as little-endian IEEE bits: SQLite's REAL turns -0.0 into 0 and NaN into NULL.
 void journal_doubles_put(GByteArray *bytes, const double *values, size_t count);
 
