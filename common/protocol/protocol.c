@@ -80,3 +80,25 @@ bool protocol_status_of(const char *name, enum search_status *status)
         *status = (enum search_status)found;
     return found < SEARCH_STATUS_COUNT;
 }
+
+const char *protocol_kind_name(enum design_kind kind)
+{
+    static const char *const names[] = {
+        [DESIGN_KIND_POINTS] = "points",
+        [DESIGN_KIND_CURVES] = "curves",
+        [DESIGN_KIND_LEVELS] = "levels",
+        [DESIGN_KIND_EXTREMES] = "extremes",
+    };
+    return names[kind];
+}
+
+enum sampling_method protocol_kind_method(enum design_kind kind)
+{
+    static const enum sampling_method methods[] = {
+        [DESIGN_KIND_POINTS] = SAMPLING_METHOD_UNIFORM,
+        [DESIGN_KIND_CURVES] = SAMPLING_METHOD_CURVES,
+        [DESIGN_KIND_LEVELS] = SAMPLING_METHOD_LEVELS,
+        [DESIGN_KIND_EXTREMES] = SAMPLING_METHOD_EXTREMES,
+    };
+    return methods[kind];
+}

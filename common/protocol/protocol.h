@@ -57,11 +57,23 @@ enum search_status {
     SEARCH_STATUS_NO_GOOD_DESIGN, // no good sample anywhere
 };
 
-// How the samples of a step are drawn (sample_batch_t, step_status_t).
+// How the samples of a step are drawn (sample_batch_t, step_status_t). The first three draw every
+// variable on its own; the others draw the levels at which whole curves stand in their corridors.
 enum sampling_method {
     SAMPLING_METHOD_UNIFORM,
     SAMPLING_METHOD_LATIN_HYPERCUBE,
     SAMPLING_METHOD_SOBOL,
+    SAMPLING_METHOD_CURVES,   // every curve at a level of its own
+    SAMPLING_METHOD_LEVELS,   // one level for all curves of a direction
+    SAMPLING_METHOD_EXTREMES, // every curve at its lower bound, its upper bound or a level
+};
+
+// The kinds of designs that a box is judged by.
+enum design_kind {
+    DESIGN_KIND_POINTS,   // every variable uniform in its interval, independently
+    DESIGN_KIND_CURVES,   // every curve at one level of its corridor, its own
+    DESIGN_KIND_LEVELS,   // one level for all curves of a direction
+    DESIGN_KIND_EXTREMES, // every curve at its lower bound, its upper bound, or one level
 };
 
 // How many values each of these has: apart from them, so that no switch need name a count.
@@ -70,7 +82,8 @@ enum {
     SEARCH_STANDING_COUNT = SEARCH_STANDING_FAILED + 1,
     SEARCH_PHASE_COUNT = SEARCH_PHASE_DONE + 1,
     SEARCH_STATUS_COUNT = SEARCH_STATUS_NO_GOOD_DESIGN + 1,
-    SAMPLING_METHOD_COUNT = SAMPLING_METHOD_SOBOL + 1,
+    DESIGN_KIND_COUNT = DESIGN_KIND_EXTREMES + 1,
+    SAMPLING_METHOD_COUNT = SAMPLING_METHOD_EXTREMES + 1,
 };
 
 // What identifies a batch everywhere (batch_t). An outcome carries the identity of its batch, and
@@ -91,6 +104,11 @@ bool protocol_run_ended(enum run_state state);
 const char *protocol_run_state_name(enum run_state state);
 const char *protocol_phase_name(enum search_phase phase);
 const char *protocol_status_name(enum search_status status);
+
+const char *protocol_kind_name(enum design_kind kind); // "points", "curves", ...
+
+// How independent designs of a kind are drawn.
+enum sampling_method protocol_kind_method(enum design_kind kind);
 
 // The values of these names. False, with the value untouched, where the name is none.
 bool protocol_run_state_of(const char *name, enum run_state *state);

@@ -73,6 +73,50 @@ static void pick_block(const struct sampling *sampling, const struct box *box,
     }
 }
 
+// Turns a random number into the level of a curve at an extreme: the lower bound, the upper bound,
+// or one level, a third each.
+static void to_extremes(uint32_t count, double *unit)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const double three = 3 * unit[i];
+        unit[i] = three < 1 ? 0 : three < 2 ? 1 : three - 2;
+    }
+}
+
+// Samples of one block whose curves stand at one level each: the random numbers belong to curves,
+// or to groups of them, as they belong to variables elsewhere.
+static void pick_curves(const struct sampling *sampling, const struct box *box,
+                        const uint32_t *index, uint32_t count, double *values, size_t stride)
+{
+    const struct curve_map *curves = sampling->curves;
+    assert(curves != NULL && curves->variables == box->count);
+    const bool levels = sampling->method == SAMPLING_METHOD_LEVELS;
+    const uint32_t slot_count = levels ? curves->group_count : curves->count;
+    const uint32_t *slot = levels ? curves->group : curves->curve;
+    double unit[2][UNIFORM_BLOCK];
+    for (uint32_t pair = 0; pair < slot_count; pair += 2) {
+        draw(sampling, pair, index, count, unit);
+        if (sampling->method == SAMPLING_METHOD_EXTREMES) {
+            to_extremes(count, unit[0]);
+            to_extremes(count, unit[1]);
+        }
+        for (uint32_t variable = 0; variable < box->count; variable++) {
+            if (slot[variable] / 2 == pair / 2)
+                spread(unit[slot[variable] % 2], count, box->lower[variable], box->upper[variable],
+                       values + variable * stride);
+        }
+    }
+}
+
+static void pick(const struct sampling *sampling, const struct box *box, const uint32_t *index,
+                 uint32_t count, double *values, size_t stride)
+{
+    if (sampling_of_curves(sampling->method))
+        pick_curves(sampling, box, index, count, values, stride);
+    else
+        pick_block(sampling, box, index, count, values, stride);
+}
+
 // Any number of samples from Sobol points: preparing a variable costs more than a point of it.
 static void pick_sobol(const struct sampling *sampling, const struct box *box,
                        const uint32_t *index, uint32_t first, uint32_t count, double *values,
@@ -100,7 +144,7 @@ void sampling_pick(const struct sampling *sampling, const struct box *box, const
     for (uint32_t done = 0; done < count; done += near) {
         for (near = 1; done + near < count && index[done + near] - index[done] < UNIFORM_BLOCK;)
             near++;
-        pick_block(sampling, box, index + done, near, values + done, stride);
+        pick(sampling, box, index + done, near, values + done, stride);
     }
 }
 
@@ -120,6 +164,6 @@ void sampling_fill(const struct sampling *sampling, const struct box *box, uint3
         uint32_t index[UNIFORM_BLOCK];
         for (uint32_t i = 0; i < block; i++)
             index[i] = first + done + i;
-        pick_block(sampling, box, index, block, values + done, stride);
+        pick(sampling, box, index, block, values + done, stride);
     }
 }

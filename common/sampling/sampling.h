@@ -6,8 +6,10 @@
 #define SOBOX_COMMON_SAMPLING_SAMPLING_H
 
 #include "common/numeric/box.h"
+#include "common/numeric/curve_map.h"
 #include "common/protocol/protocol.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,7 +18,15 @@ struct sampling {
     uint32_t step;    // of the search, over all phases
     uint32_t samples; // of the whole step: a Latin hypercube has that many strata
     enum sampling_method method;
+    const struct curve_map
+        *curves; // borrowed; of the methods that draw levels of curves, else unused
 };
+
+// Whether a method draws levels of whole curves.
+static inline bool sampling_of_curves(enum sampling_method method)
+{
+    return method >= SAMPLING_METHOD_CURVES;
+}
 
 // Fills in samples first .. first + count - 1: values[variable * stride + i] belongs to sample
 // first + i. lower <= value <= upper always; a fixed variable has its lower bound exactly.

@@ -257,6 +257,9 @@ static void make_variables(struct scenario *scenario)
     g_assert(count <= SCENARIO_VARIABLE_MAX);
     box_init(&scenario->design_space, count);
     scenario->variables = g_new0(struct scenario_variable, count);
+    curve_map_init(&scenario->curves, count);
+    scenario->curves.count = SCENARIO_DIRECTION_COUNT * scenario->spring_count;
+    scenario->curves.group_count = SCENARIO_DIRECTION_COUNT;
 
     uint32_t at = 0;
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
@@ -269,6 +272,8 @@ static void make_variables(struct scenario *scenario)
                     .direction = (enum scenario_direction)direction,
                 };
                 name_variable(&scenario->variables[at], spring);
+                scenario->curves.curve[at] = SCENARIO_DIRECTION_COUNT * i + (uint32_t)direction;
+                scenario->curves.group[at] = (uint32_t)direction;
                 scenario->design_space.lower[at] = spring->force_lower[direction][point];
                 scenario->design_space.upper[at] = spring->force_upper[direction][point];
             }

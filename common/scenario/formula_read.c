@@ -63,6 +63,7 @@ static bool read_variables(const struct tree_node *node, GHashTable *names,
     }
     box_init(&scenario->design_space, node->count);
     scenario->variables = g_new0(struct scenario_variable, node->count);
+    curve_map_init(&scenario->curves, node->count);
     for (uint32_t i = 0; i < node->count; i++) {
         if (!read_variable(node->items[i], i, names, scenario, error))
             return false;

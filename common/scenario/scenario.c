@@ -107,6 +107,7 @@ void scenario_fini(struct scenario *scenario)
     g_free(scenario->formula.constants);
     g_free(scenario->springs);
     g_free(scenario->variables);
+    curve_map_fini(&scenario->curves);
     box_fini(&scenario->design_space);
     g_free(scenario->constraints);
     g_free(scenario->text);

@@ -5,6 +5,7 @@
 #define SOBOX_COMMON_SCENARIO_SCENARIO_H
 
 #include "common/numeric/box.h"
+#include "common/numeric/curve_map.h"
 #include "common/numeric/digest.h"
 #include "common/protocol/protocol.h"
 #include "common/scenario/outcome.h"
@@ -203,6 +204,7 @@ struct scenario {
     // Derived when the file is read.
     // Variables stand spring by spring, x points before y points; else in the order of the file.
     struct scenario_variable *variables;     // (design_space.count)
+    struct curve_map curves;                 // which variables make a curve
     struct box design_space;                 // one interval a variable
     struct scenario_constraint *constraints; // (constraint_count) of the response or formula, then
                                              // the user's; with cases, case by case

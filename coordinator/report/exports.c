@@ -244,14 +244,38 @@ static json_t *json_reach(const struct run_data_search *search)
                      (int)REACH_LEVELS, "bounds", (int)REACH_BOUNDS, "springs", springs);
 }
 
+static json_t *json_look(uint64_t samples, uint64_t bad, double estimate, double lower95)
+{
+    return json_pack("{s:o, s:o, s:o, s:o}", "samples", json_unsigned(samples), "bad",
+                     json_unsigned(bad), "estimate", json_number(estimate), "lower95",
+                     json_number(lower95));
+}
+
 static json_t *json_purity(const struct journal_search *record)
 {
     if (!record->finished || record->purity_samples == 0)
         return json_null();
-    return json_pack("{s:o, s:o, s:o, s:o}", "samples", json_unsigned(record->purity_samples),
-                     "bad", json_unsigned(record->purity_bad), "estimate",
-                     json_number(record->purity_estimate), "lower95",
-                     json_number(record->purity_lower95));
+    return json_look(record->purity_samples, record->purity_bad, record->purity_estimate,
+                     record->purity_lower95);
+}
+
+// Of each kind of designs that was looked at, points among them.
+static json_t *json_kinds(const struct run_data_search *search)
+{
+    json_t *kinds = json_object();
+    json_t *points = json_purity(&search->record);
+    if (json_is_object(points))
+        json_object_set(kinds, protocol_kind_name(DESIGN_KIND_POINTS), points);
+    json_decref(points);
+    for (int kind = DESIGN_KIND_POINTS + 1; kind < DESIGN_KIND_COUNT; kind++) {
+        const uint32_t samples = search->kinds[kind].samples;
+        const uint32_t bad = search->kinds[kind].bad;
+        if (samples > 0)
+            json_object_set_new(kinds, protocol_kind_name((enum design_kind)kind),
+                                json_look(samples, bad, (double)(samples - bad) / samples,
+                                          search->kinds[kind].lower95));
+    }
+    return kinds;
 }
 
 static json_t *json_case(const struct run_data *data, const struct run_data_search *search)
@@ -276,6 +300,7 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
         json_object_set_new(object, "case", json_case(data, search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
+    json_object_set_new(object, "kinds", json_kinds(search));
     json_object_set_new(object, "reach", json_reach(search));
     json_object_set_new(object, "constraints", holding_json_constraints(search));
     if (record->blocking_constraint[0] != '\0') {

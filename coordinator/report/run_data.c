@@ -1,5 +1,7 @@
 #include "coordinator/report/run_data.h"
 
+#include "common/numeric/statistics.h"
+#include "common/sampling/sampling.h"
 #include "common/scenario/scenario_read.h"
 #include "coordinator/search/search.h"
 
@@ -91,6 +93,22 @@ static enum status take_outside(struct run_data_search *search, const struct jou
     return STATUS_OK;
 }
 
+// Whether the step looked at designs of another kind than points, at the box that was certified.
+static bool take_kind(struct run_data_search *search, const struct journal_step *step)
+{
+    if (!step->sampling_known || !sampling_of_curves(step->sampling))
+        return false;
+    for (int kind = 0; kind < DESIGN_KIND_COUNT; kind++) {
+        if (protocol_kind_method((enum design_kind)kind) != step->sampling)
+            continue;
+        search->kinds[kind].samples = step->samples;
+        search->kinds[kind].bad = step->samples - step->good;
+        search->kinds[kind].lower95 =
+            statistics_share_lower(step->samples, step->samples - step->good, 0.95);
+    }
+    return true;
+}
+
 static enum status take_step(void *user, const struct journal_step *step, struct error *error)
 {
     struct run_data_search *search = user;
@@ -108,6 +126,8 @@ static enum status take_step(void *user, const struct journal_step *step, struct
     search->evaluations += step->samples;
     if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_EXPLAIN)) == 0)
         return take_outside(search, step, error);
+    if (take_kind(search, step))
+        return STATUS_OK;
     if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
         take_certificate(search, step);
     if (search->last_box.count == 0)

@@ -53,6 +53,12 @@ struct run_data_search {
 
     struct box last_box; // the search's own, sampled last; count 0 before the first step
 
+    // What fresh designs of each kind but points showed of the corridors; no samples before.
+    struct {
+        uint32_t samples, bad;
+        double lower95;
+    } kinds[DESIGN_KIND_COUNT];
+
     // Of the last certificate, until it is known whether an explanation follows.
     struct verdict *certificate; // (certificate_samples) NULL without details
     uint32_t certificate_samples;

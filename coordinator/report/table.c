@@ -202,6 +202,19 @@ static void print_obstacle(const struct run_data_search *search, bool normalise,
     g_free(words);
 }
 
+// One line a kind of designs: what each holds is another promise.
+static void print_kind(enum design_kind kind, double estimate, double lower95, FILE *out)
+{
+    static const char *const meaning[] = {
+        [DESIGN_KIND_POINTS] = "every force on its own",
+        [DESIGN_KIND_CURVES] = "every curve at a level of its own",
+        [DESIGN_KIND_LEVELS] = "one level for F_x, one for F_y",
+        [DESIGN_KIND_EXTREMES] = "curves along bounds, or at a level",
+    };
+    fprintf(out, "  %-10s %.4f  at least %.4f   %s\n", protocol_kind_name(kind), estimate,
+            floor(lower95 * 1e4) * 1e-4, meaning[kind]); // a bound is not rounded up
+}
+
 static void print_purity(const struct run_data_search *search, FILE *out)
 {
     const struct journal_search *record = &search->record;
@@ -210,9 +223,15 @@ static void print_purity(const struct run_data_search *search, FILE *out)
         fprintf(out, "purity       not certified%s\n", record->finished ? "" : " yet");
         return;
     }
-    fprintf(out, "purity       %.4f of %s fresh samples; at least %.4f with 95 %% confidence\n",
-            record->purity_estimate, number_count(record->purity_samples, samples),
-            floor(record->purity_lower95 * 1e4) * 1e-4); // a bound is not rounded up
+    fprintf(out, "purity       of %s fresh designs of each kind, with 95 %% confidence\n",
+            number_count(record->purity_samples, samples));
+    print_kind(DESIGN_KIND_POINTS, record->purity_estimate, record->purity_lower95, out);
+    for (int kind = DESIGN_KIND_POINTS + 1; kind < DESIGN_KIND_COUNT; kind++) {
+        const uint32_t count = search->kinds[kind].samples;
+        if (count > 0)
+            print_kind((enum design_kind)kind, (double)(count - search->kinds[kind].bad) / count,
+                       search->kinds[kind].lower95, out);
+    }
 }
 
 static void print_cost(const struct run_data_search *search, FILE *out)

@@ -26,6 +26,12 @@ void certificate_look(struct certificate *certificate, uint64_t samples, uint64_
     certificate->lower95 = statistics_share_lower(samples, bad, 1 - alpha);
 }
 
+void certificate_look_once(struct certificate *certificate, uint64_t samples, uint64_t bad)
+{
+    *certificate = (struct certificate){.looks = CERTIFICATE_LOOKS, .samples = samples, .bad = bad};
+    certificate->lower95 = statistics_share_lower(samples, bad, 0.95);
+}
+
 int64_t certificate_bad_max(const struct certificate *certificate, uint64_t samples, double target)
 {
     const double confidence = 1 - certificate_alpha(certificate->looks);

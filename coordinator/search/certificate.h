@@ -27,6 +27,9 @@ double certificate_alpha(uint32_t look);
 // Takes a look.
 void certificate_look(struct certificate *certificate, uint64_t samples, uint64_t bad);
 
+// Takes the one look at a box that nothing follows from: all of the error probability is its own.
+void certificate_look_once(struct certificate *certificate, uint64_t samples, uint64_t bad);
+
 // The most bad samples of `samples` with which the next look reaches `target`; -1 when even none is
 // too many.
 int64_t certificate_bad_max(const struct certificate *certificate, uint64_t samples, double target);

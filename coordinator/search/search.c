@@ -43,7 +43,8 @@ static void ask_requested(struct search *search, uint32_t samples, enum sampling
         .sampling = {.seed = search->seed,
                      .step = search->step,
                      .samples = samples,
-                     .method = method},
+                     .method = method,
+                     .curves = &search->scenario->curves},
         .phase = search->phase,
         .detail = detail,
         .box = &search->requested,
@@ -92,6 +93,11 @@ static void ask_next(struct search *search)
         break;
     case SEARCH_PHASE_CERTIFY:
         // Clopper-Pearson holds for independent samples only.
+        if (search->kind != DESIGN_KIND_POINTS) {
+            ask(search, &current(search)->box, search->kind_samples,
+                protocol_kind_method(search->kind), VERDICT_DETAIL_SHARE);
+            break;
+        }
         ask(search, &current(search)->box, settings->certificate_samples, SAMPLING_METHOD_UNIFORM,
             settings->explain_samples > 0 ? VERDICT_DETAIL_FULL : VERDICT_DETAIL_SHARE);
         break;
@@ -109,8 +115,8 @@ static void recall(struct search *search, const struct verdict *verdicts)
 {
     const struct sampling *sampling = &search->request.sampling;
     search->good_count = verdict_good_count(verdicts, sampling->samples);
-    if (search->phase == SEARCH_PHASE_EXPLAIN)
-        return; // it makes its own again
+    if (search->phase == SEARCH_PHASE_EXPLAIN || search->kind != DESIGN_KIND_POINTS)
+        return; // makes its own again, or is only counted
     // How badly a certificate's samples violate is known only when the box is to be explained, and
     // no box may depend on that.
     const bool known = search->phase != SEARCH_PHASE_CERTIFY;
@@ -373,22 +379,70 @@ static void complete_consolidate(struct search *search)
         consolidate_hasten(&search->consolidate);
 }
 
+// The next kind of designs that this model tells apart from points; DESIGN_KIND_COUNT: none is
+// left.
+static enum design_kind next_kind(const struct search *search)
+{
+    const struct curve_map *curves = &search->scenario->curves;
+    enum design_kind kind = search->kind;
+    do
+        kind++;
+    while ((kind == DESIGN_KIND_CURVES && curves->count == curves->variables) ||
+           (kind == DESIGN_KIND_LEVELS && curves->group_count == curves->variables));
+    return kind;
+}
+
+// The looks at points are over: what is left of the budget looks at the other kinds.
+static void end_certify(struct search *search, enum search_status status)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    search->certified = status;
+    search->kind_samples = settings->certificate_samples;
+    if (settings->evaluations > 0) {
+        const uint64_t spoken_for = search->evaluations + explain_reserve(search->scenario);
+        const uint64_t left =
+            spoken_for < settings->evaluations ? settings->evaluations - spoken_for : 0;
+        const uint64_t each = left / (DESIGN_KIND_COUNT - 1);
+        search->kind_samples = each < search->kind_samples ? (uint32_t)each : search->kind_samples;
+    }
+    if (search->kind_samples > 0)
+        search->kind = next_kind(search);
+    else
+        finish_box(search, status);
+}
+
+// One look, at the box as it is: it changes nothing, so no other look has to be counted.
+static void complete_kind(struct search *search)
+{
+    const uint32_t samples = search->request.sampling.samples;
+    certificate_look_once(&search->kinds[search->kind], samples, samples - search->good_count);
+    search->kind = next_kind(search);
+    if ((uint32_t)search->kind < DESIGN_KIND_COUNT)
+        return;
+    search->kind = DESIGN_KIND_POINTS;
+    finish_box(search, search->certified);
+}
+
 static void complete_certify(struct search *search)
 {
+    if (search->kind != DESIGN_KIND_POINTS) {
+        complete_kind(search);
+        return;
+    }
     const struct scenario_search *settings = &search->scenario->search;
     struct certificate *certificate = &search->certificate;
     const double bad_before = plan_bad_share(&search->plan, &search->certificate);
     certificate_look(certificate, search->request.sampling.samples,
                      search->request.sampling.samples - search->good_count);
     if (certificate->lower95 >= settings->target_purity) {
-        finish_box(search, SEARCH_STATUS_DONE);
+        end_certify(search, SEARCH_STATUS_DONE);
         return;
     }
     const bool hopeless = certificate->looks == CERTIFICATE_LOOKS ||
                           certificate_bad_max(certificate, settings->certificate_samples,
                                               settings->target_purity) < 0;
     if (hopeless) {
-        finish_box(search, SEARCH_STATUS_PURITY_MISSED);
+        end_certify(search, SEARCH_STATUS_PURITY_MISSED);
         return;
     }
     search->samples = search->samples > UINT32_MAX / 2 ? search->samples : 2 * search->samples;
@@ -398,7 +452,7 @@ static void complete_certify(struct search *search)
     steps = steps > 0 ? steps : 1;
     steps = steps < affordable ? steps : (uint32_t)affordable;
     if (steps == 0)
-        finish_box(search, SEARCH_STATUS_PURITY_MISSED);
+        end_certify(search, SEARCH_STATUS_PURITY_MISSED);
     else
         start_consolidate(search, steps, bad_before);
 }
@@ -422,7 +476,7 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
     count_verdicts(search, verdicts);
     recall(search, verdicts);
-    if (phase != SEARCH_PHASE_EXPLAIN)
+    if (phase != SEARCH_PHASE_EXPLAIN && search->kind == DESIGN_KIND_POINTS)
         remember(search);
     search->step++;
     switch (phase) {

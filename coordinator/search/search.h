@@ -48,17 +48,22 @@ struct search_progress {
     const struct box *box; // current box; borrowed until the next search_complete()
 };
 
+// What fresh samples of a box showed.
+struct search_purity {
+    uint64_t samples;
+    uint64_t bad;
+    double estimate; // good share of the samples
+    double lower95;  // what the true share exceeds with 95 % confidence, repeated looks counted
+};
+
 struct search_result {
     enum search_status status;
     const struct box *box; // the corridors; borrowed for the life of the search. Without a good
                            // design it is the least violating one alone, lower equal to upper
     double log_volume;     // -infinity without a good design
-    struct {
-        uint64_t samples;
-        uint64_t bad;
-        double estimate; // good share of the certificate's samples
-        double lower95;  // what the true share exceeds with 95 % confidence, repeated looks counted
-    } purity;
+    struct search_purity purity;                   // of the samples that decide: points
+    struct search_purity kinds[DESIGN_KIND_COUNT]; // of each kind of designs, points among them; no
+                                                   // samples where it was not looked at
     uint64_t evaluations;
     uint64_t non_finite; // samples with a non-finite outcome
     uint32_t steps;

@@ -12,17 +12,18 @@ static uint32_t steps_left(const struct search *search)
         left += explain_steps_most(search->scenario);
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
-        left += 1 + search->plan.exploration_steps + search->plan.consolidation_steps + 1;
+        left += 1 + search->plan.exploration_steps + search->plan.consolidation_steps +
+                DESIGN_KIND_COUNT;
         break;
     case SEARCH_PHASE_EXPLORE:
         left += search->plan.exploration_steps - search->tournament.steps +
-                search->plan.consolidation_steps + 1;
+                search->plan.consolidation_steps + DESIGN_KIND_COUNT;
         break;
     case SEARCH_PHASE_CONSOLIDATE:
-        left += search->consolidate.step_count - search->consolidate.steps + 1;
+        left += search->consolidate.step_count - search->consolidate.steps + DESIGN_KIND_COUNT;
         break;
     case SEARCH_PHASE_CERTIFY:
-        left += 1;
+        left += DESIGN_KIND_COUNT - (uint32_t)search->kind;
         break;
     case SEARCH_PHASE_EXPLAIN:
         left += search->explain.step_count - search->explained;
@@ -69,12 +70,25 @@ static struct digest result_digest(const struct search *search)
     digest_u64(&state, search->counted.non_finite);
     digest_u64(&state, search->certificate.samples);
     digest_u64(&state, search->certificate.bad);
+    for (int kind = DESIGN_KIND_POINTS + 1; kind < DESIGN_KIND_COUNT; kind++) {
+        digest_u64(&state, search->kinds[kind].samples);
+        digest_u64(&state, search->kinds[kind].bad);
+    }
     return digest_end(&state);
+}
+
+static struct search_purity purity_of(const struct certificate *certificate)
+{
+    struct search_purity purity = {
+        .samples = certificate->samples, .bad = certificate->bad, .lower95 = certificate->lower95};
+    if (certificate->samples > 0)
+        purity.estimate =
+            (double)(certificate->samples - certificate->bad) / (double)certificate->samples;
+    return purity;
 }
 
 void search_result(const struct search *search, struct search_result *result)
 {
-    const struct certificate *certificate = &search->certificate;
     *result = (struct search_result){
         .status = search->status,
         .box = &search->result,
@@ -85,10 +99,8 @@ void search_result(const struct search *search, struct search_result *result)
         .blocking_constraint = blocking_constraint(search),
         .digest = result_digest(search),
     };
-    result->purity.samples = certificate->samples;
-    result->purity.bad = certificate->bad;
-    result->purity.lower95 = certificate->lower95;
-    if (certificate->samples > 0)
-        result->purity.estimate =
-            (double)(certificate->samples - certificate->bad) / (double)certificate->samples;
+    result->purity = purity_of(&search->certificate);
+    for (int kind = DESIGN_KIND_POINTS; kind < DESIGN_KIND_COUNT; kind++)
+        result->kinds[kind] =
+            purity_of(kind == DESIGN_KIND_POINTS ? &search->certificate : &search->kinds[kind]);
 }

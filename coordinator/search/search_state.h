@@ -53,7 +53,12 @@ struct search {
     struct plan plan;
     struct stagnation stagnation; // of the box that is left, then of the one at rest
 
+    // Certify: the looks at points decide; then the other kinds of designs are looked at once.
     struct certificate certificate;
+    enum design_kind kind; // that is looked at
+    uint32_t kind_samples; // of each other kind
+    enum search_status certified;
+    struct certificate kinds[DESIGN_KIND_COUNT]; // that of points stands in `certificate`
 
     // Explain.
     struct explain explain;

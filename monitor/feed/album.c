@@ -171,8 +171,9 @@ bool album_hear(struct album *album, const sobox_step_status_t *message)
 {
     if (!is_pending(album, message)) {
         pending_drop(album);
-        // The verdicts come with the first part: without it the rest tells nothing.
-        if (message->count == 0)
+        // The verdicts come with the first part: without it the rest tells nothing. Pictures are of
+        // points: where a curve stands takes the scenario's springs.
+        if (message->count == 0 || sampling_of_curves((enum sampling_method)message->sampling))
             return false;
         album->pending = picture_begin(message);
         album->missing = (uint32_t)message->variables;

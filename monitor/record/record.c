@@ -157,6 +157,9 @@ static enum status tell_samples(void *user, const struct journal_step *step, str
         note_unknown_sampling(reading->record);
         return STATUS_OK;
     }
+    if (sampling_of_curves(step->sampling))
+        return STATUS_OK; // pictures are of points: where a curve stands takes the scenario's
+                          // springs
     const uint32_t count = MIN(step->samples, SAMPLES_TOLD);
     struct album_picture *picture = album_picture(count, step->box->count);
     picture->sampling = (struct sampling){.seed = search->seed,

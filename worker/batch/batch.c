@@ -141,7 +141,9 @@ static uint32_t evaluate_block(const struct scenario *scenario, const struct mod
                                uint32_t first, uint32_t count, const struct batch_scratch *scratch,
                                struct verdict *verdicts)
 {
-    sampling_fill(sampling, box, first, count, scratch->values, MODEL_BLOCK);
+    struct sampling of_scenario = *sampling;
+    of_scenario.curves = &scenario->curves;
+    sampling_fill(&of_scenario, box, first, count, scratch->values, MODEL_BLOCK);
     model_evaluate_judged(model, count, scratch->values, scratch->outcomes);
     return judge_block(scenario, model_outcome_count(model), scratch->outcomes, count, verdicts);
 }

@@ -170,6 +170,87 @@ static void latin_hypercube_variables_are_independent(void **state)
     }
 }
 
+// Two springs of two points: the curves are {0, 1}, {2, 3}, {4, 5}, {6, 7}; x is group 0, y is 1.
+static struct curve_map two_springs(void)
+{
+    struct curve_map map;
+    curve_map_init(&map, 8);
+    map.count = 4;
+    map.group_count = 2;
+    for (uint32_t v = 0; v < 8; v++) {
+        map.curve[v] = v / 2;
+        map.group[v] = v / 2 % 2;
+    }
+    return map;
+}
+
+static const struct box corridor = {.count = 8,
+                                    .lower = (double[]){0, 10, 0, 10, 0, 10, 0, 10},
+                                    .upper = (double[]){1, 30, 1, 30, 1, 30, 1, 30}};
+
+static double level_of(const double *values, uint32_t variable, uint32_t sample)
+{
+    return (values[variable * 3000 + sample] - corridor.lower[variable]) /
+           (corridor.upper[variable] - corridor.lower[variable]);
+}
+
+// What the kinds of designs are (design.md section 4), by their definitions: levels within a curve
+// agree, between curves only where they have to.
+static void kinds_of_designs_are_what_they_say(void **state)
+{
+    (void)state;
+    struct curve_map map = two_springs();
+    double *values = calloc(8 * 3000, sizeof *values);
+    for (int kind = DESIGN_KIND_CURVES; kind < DESIGN_KIND_COUNT; kind++) {
+        struct sampling sampling = sampling_of(protocol_kind_method((enum design_kind)kind), 3000);
+        sampling.curves = &map;
+        sampling_fill(&sampling, &corridor, 0, 3000, values, 3000);
+        uint32_t at_lower = 0, at_upper = 0, x_agree = 0, y_agree_with_x = 0;
+        double sum = 0;
+        for (uint32_t i = 0; i < 3000; i++) {
+            for (uint32_t v = 0; v < 8; v += 2)
+                assert_float_equal(level_of(values, v, i), level_of(values, v + 1, i), 1e-12);
+            sum += level_of(values, 0, i);
+            at_lower += values[i] == 0 && values[3000 + i] == 10;
+            at_upper += values[i] == 1 && values[3000 + i] == 30;
+            x_agree += fabs(level_of(values, 0, i) - level_of(values, 4, i)) < 1e-12;
+            y_agree_with_x += fabs(level_of(values, 0, i) - level_of(values, 2, i)) < 1e-12;
+        }
+        assert_float_equal(sum / 3000, 0.5, 0.04);
+        const bool extremes = kind == DESIGN_KIND_EXTREMES;
+        assert_in_range(at_lower, extremes ? 900 : 0, extremes ? 1100 : 1);
+        assert_in_range(at_upper, extremes ? 900 : 0, extremes ? 1100 : 1);
+        if (kind == DESIGN_KIND_LEVELS)
+            assert_int_equal(x_agree, 3000);
+        else
+            assert_true(x_agree < 1000);
+        assert_true(y_agree_with_x < 1000);
+    }
+    free(values);
+    curve_map_fini(&map);
+}
+
+// A worker makes any part of a step, the coordinator single samples: the same bits.
+static void kinds_are_a_function_of_their_place(void **state)
+{
+    (void)state;
+    struct curve_map map = two_springs();
+    for (int kind = DESIGN_KIND_CURVES; kind < DESIGN_KIND_COUNT; kind++) {
+        struct sampling sampling = sampling_of(protocol_kind_method((enum design_kind)kind), 300);
+        sampling.curves = &map;
+        double whole[8 * 300], part[8 * 37], one[8];
+        sampling_fill(&sampling, &corridor, 0, 300, whole, 300);
+        sampling_fill(&sampling, &corridor, 101, 37, part, 37);
+        const uint32_t index = 123;
+        sampling_pick(&sampling, &corridor, &index, 1, one, 1);
+        for (uint32_t v = 0; v < 8; v++) {
+            assert_true(part[v * 37 + 5] == whole[v * 300 + 106]);
+            assert_true(one[v] == whole[v * 300 + index]);
+        }
+    }
+    curve_map_fini(&map);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -180,6 +261,8 @@ int main(void)
         cmocka_unit_test(rounding_never_passes_the_upper_bound),
         cmocka_unit_test(latin_hypercube_fills_each_stratum_once),
         cmocka_unit_test(latin_hypercube_variables_are_independent),
+        cmocka_unit_test(kinds_of_designs_are_what_they_say),
+        cmocka_unit_test(kinds_are_a_function_of_their_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -196,7 +196,7 @@ static void fields_out_of_range_are_rejected(void **state)
     BATCH(batch.count, 0);
     BATCH(batch.count, 65537);
     BATCH(step_samples, 149);
-    BATCH(sampling, 3);
+    BATCH(sampling, SAMPLING_METHOD_COUNT);
     BATCH(sampling, -1);
     BATCH(detail, 2);
 #define OUTCOME(field, value) REFUSED(WIRE_OUTCOME_BATCH, outcome_batch, field, value)
@@ -255,7 +255,7 @@ static void fields_out_of_range_are_rejected(void **state)
 #define STEP(field, value) REFUSED(WIRE_STEP_STATUS, step_status, field, value)
     STEP(search, -1);
     STEP(phase, 6);
-    STEP(sampling, 3);
+    STEP(sampling, SAMPLING_METHOD_COUNT);
     STEP(detail, 2);
     STEP(samples, 0);
     STEP(samples, 15); // sixteen are told of

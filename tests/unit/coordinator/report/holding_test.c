@@ -94,6 +94,7 @@ static void run(const char *folder, const char *more, bool hopeless, int steps_l
                                     .log_volume = last->log_volume,
                                     .box = &box,
                                     .detail = request.detail,
+                                    .sampling = request.sampling.method,
                                     .verdicts = verdicts};
         g_strlcpy(step.phase, protocol_phase_name(last->phase), sizeof step.phase);
         assert_int_equal(journal_append(journal, &step, NULL), STATUS_OK);

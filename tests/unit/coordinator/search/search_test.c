@@ -137,6 +137,7 @@ static struct scenario scenario_of(const struct setting *setting)
     struct scenario scenario;
     memset(&scenario, 0, sizeof scenario);
     box_init(&scenario.design_space, setting->variables);
+    curve_map_init(&scenario.curves, setting->variables);
     for (uint32_t v = 0; v < setting->variables; v++) {
         scenario.design_space.lower[v] = v < setting->fixed ? 0.25 : setting->lower;
         scenario.design_space.upper[v] = v < setting->fixed ? 0.25 : setting->upper;
@@ -201,6 +202,7 @@ static struct outcome_of_search run(const struct setting *setting, uint64_t seed
     search_free(search);
     g_ptr_array_free(journal, TRUE);
     box_fini(&scenario.design_space);
+    curve_map_fini(&scenario.curves);
     return outcome;
 }
 
@@ -323,7 +325,7 @@ static void takes_the_whole_space_when_all_is_good(void **state)
     setting.problem = everywhere_good;
     struct outcome_of_search outcome = run(&setting, 1);
     assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
-    assert_int_equal(outcome.result.steps, 2);
+    assert_int_equal(outcome.result.steps, 3);
     assert_true(outcome.result.log_volume == 0);
     box_fini(&outcome.box);
 }
@@ -656,6 +658,7 @@ static void asking_twice_changes_nothing(void **state)
     g_free(verdicts);
     search_free(search);
     box_fini(&scenario.design_space);
+    curve_map_fini(&scenario.curves);
 }
 
 // A problem and what is asked of its box.
