@@ -69,6 +69,8 @@ static struct kinematics_problem *bench_problem(const struct bench_case *bench)
         .duration = 0.150,
         .time_step = bench->time_step,
         .integrator = bench->integrator,
+        .reloading = bench->integrator == KINEMATICS_EVENT_VERLET ? KINEMATICS_RELOADING_CRUSHED
+                                                                  : KINEMATICS_RELOADING_THESIS,
         .omitted = {.energies = bench->without_work, .deformations = true},
     };
     return kinematics_create(&setup);

@@ -16,6 +16,7 @@
 #include <glib.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 enum { BENCH_SAMPLES_MAX = 4000 };
@@ -42,7 +43,10 @@ static void bench_init(struct bench *bench, const char *name, const char *integr
                        uint32_t samples)
 {
     g_autofree char *path = g_strdup_printf(SOBOX_SOURCE_DIR "/deploy/scenarios/%s.yaml", name);
-    g_autofree char *chosen = g_strdup_printf("simulation.integrator=%s", integrator);
+    // The rule of reloading for which the kernel has a variant with this integrator.
+    g_autofree char *chosen =
+        g_strdup_printf("simulation={integrator: %s, reloading: %s}", integrator,
+                        strcmp(integrator, "central_difference") == 0 ? "thesis" : "crushed");
     struct error error = {0};
     if (scenario_read_file(&bench->scenario, path, (const char *const *)&chosen, 1, &error) !=
         STATUS_OK) {

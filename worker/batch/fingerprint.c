@@ -29,10 +29,10 @@ static const char fingerprint_scenario[] =
     "firewall_distance: 0.25\n"
     "constraints: {yaw_deg: {min: -20, max: 20}}\n";
 
-// Those that searches use; they have kernels of their own.
+// Those that searches use, the thesis's pair and the defaults; they have kernels of their own.
 static const char *const fingerprint_integrators[] = {
-    "simulation.integrator=central_difference",
-    "simulation.integrator=event_verlet",
+    "simulation={integrator: central_difference, reloading: thesis}",
+    "simulation={integrator: event_verlet, reloading: crushed}",
 };
 
 enum {

@@ -1014,7 +1014,8 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
 
 // All designs, bundle by bundle. What most problems lack is left out of the variants for flat
 // barriers without unload branches, which are the fast ones; the arithmetic that all do is the
-// same.
+// same. There is one for the defaults, event Verlet with `crushed`, and one for the thesis's pair,
+// central difference with `thesis`; who mixes them takes the general one.
 LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint32_t count,
                                   const double *values, double *results, size_t stride,
                                   double *rows)
@@ -1024,11 +1025,14 @@ LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint
     const struct problem_features late = {
         .work = features.work, .deepest = features.deepest, .late_start = true};
     const struct problem_features events = {
-        .work = features.work, .deepest = features.deepest, .events = true};
-    const struct problem_features both = {
-        .work = features.work, .deepest = features.deepest, .events = true, .late_start = true};
+        .work = features.work, .deepest = features.deepest, .events = true, .crushed = true};
+    const struct problem_features both = {.work = features.work,
+                                          .deepest = features.deepest,
+                                          .events = true,
+                                          .crushed = true,
+                                          .late_start = true};
     const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
-    const bool plain = !features.rounded && !features.unload && !features.crushed;
+    const bool plain = !features.rounded && !features.unload && features.crushed == features.events;
     struct kernel_scratch scratch;
     for (uint32_t first = 0; first < count; first += LANES) {
         const uint32_t left = count - first;
