@@ -5,6 +5,7 @@
 #include "common/scenario/words.h"
 
 #include <glib.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -37,7 +38,8 @@ static const struct field barrier_fields[] = {
     {"edge_y", FIELD_NUMBER, AT(scenario_barrier, edge_y), .range = FIELD_ANY, .unit = "m"},
     {"width", FIELD_NUMBER, .optional = true, AT(scenario_barrier, width), .range = FIELD_POSITIVE,
      .unit = "m"},
-    {"overlap", FIELD_NUMBER, AT(scenario_barrier, overlap), .range = FIELD_POSITIVE, .unit = "m"},
+    {"overlap", FIELD_NUMBER, .optional = true, AT(scenario_barrier, overlap),
+     .range = FIELD_POSITIVE, .unit = "m"},
     {"profile", FIELD_WORD, .optional = true, AT(scenario_barrier, profile),
      .words = scenario_profile_words},
     {"edge_radius", FIELD_NUMBER, .optional = true, AT(scenario_barrier, edge_radius),
@@ -239,6 +241,26 @@ static bool read_springs(const struct tree_node *node, struct scenario *scenario
     return true;
 }
 
+// The overlap that the file leaves open: from where the first spring starts to the end of the face,
+// so that AbWAP and AbWP of 1 say that the A-pillar has passed the barrier (thesis 8.1.2).
+static bool default_overlap(const struct crash_document *document, struct scenario *scenario,
+                            struct error *error)
+{
+    struct scenario_barrier *barrier = &scenario->barrier;
+    if (tree_child(document->barrier, "overlap") != NULL)
+        return true;
+    const double *position = scenario->springs[0].position;
+    double inner = barrier->edge_y - scenario->vehicle.cog[1]; // [m] y of the end, from the COG
+    barrier->overlap = inner - position[1];
+    if (barrier->overlap > 0)
+        return true;
+    tree_error(tree_child(document->springs->items[0], "position"), error,
+               "the first spring starts %g m beside the barrier's end: expected a y of less than "
+               "%g m, or a barrier.overlap by which lateral travel is judged, found %g",
+               -barrier->overlap, inner, position[1]);
+    return false;
+}
+
 // ------------------------------------------------------------------------------------------------
 // Variables
 
@@ -294,15 +316,21 @@ static bool require_free_variable(const struct tree_node *springs, const struct 
 // ------------------------------------------------------------------------------------------------
 // The whole
 
-// design.md section 3, "Responses"; thesis section 8.1.
+// Just below 90 degrees, from where on a spring's line meets the barrier's face no more: a rotating
+// car must stay there, or what it did beyond was done without the barrier.
+#define YAW_MAX_DEG nextafter(90.0, 0.0)
+
+// Thesis section 8.1. The firewall is passed when the A-pillar
+// comes too near at any time in contact, not only at the last.
 static void add_response(struct scenario *scenario)
 {
-    constraint_add(scenario, OUTCOME_S_L, scenario->firewall_distance, INFINITY);
+    constraint_add(scenario, OUTCOME_S_L_MIN, scenario->firewall_distance, INFINITY);
     switch (scenario->response) {
     case SCENARIO_RESPONSE_ANY:
         break;
     case SCENARIO_RESPONSE_ROTATING:
         constraint_add(scenario, OUTCOME_ABWP, -INFINITY, 1.0);
+        constraint_add(scenario, OUTCOME_YAW_MAX_DEG, -INFINITY, YAW_MAX_DEG);
         break;
     case SCENARIO_RESPONSE_GLANCING_OFF:
         constraint_add(scenario, OUTCOME_ABWAP, 1.0, INFINITY);
@@ -316,7 +344,8 @@ bool crash_read(const struct crash_document *document, struct scenario *scenario
 {
     if (!read_vehicle(document->vehicle, scenario, error) ||
         !read_barrier(document->barrier, scenario, error) ||
-        !read_springs(document->springs, scenario, error))
+        !read_springs(document->springs, scenario, error) ||
+        !default_overlap(document, scenario, error))
         return false;
     make_variables(scenario);
     if (!require_free_variable(document->springs, scenario, error) ||

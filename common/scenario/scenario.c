@@ -68,8 +68,8 @@ void scenario_init(struct scenario *scenario)
             {
                 .duration = 0.150,
                 .time_step = 1.0e-3,
-                .integrator = SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE,
-                .reloading = SCENARIO_RELOADING_THESIS,
+                .integrator = SCENARIO_INTEGRATOR_EVENT_VERLET,
+                .reloading = SCENARIO_RELOADING_CRUSHED,
             },
         .search =
             {

@@ -65,7 +65,8 @@ struct scenario_barrier {
     double face_x;      // [m] x of the face
     double edge_y;      // [m] y of the face's inner end; the face runs from here towards -y
     double width;       // [m] > 0
-    double overlap;     // [m] > 0; the length by which AbWAP and AbWP are made dimensionless
+    double overlap;     // [m] > 0; the length by which AbWAP and AbWP are made dimensionless: by
+                        // default from the first spring's start to the end of the face
     double edge_radius; // [m] of the rounded profile
     enum scenario_profile profile;
 };
@@ -191,7 +192,7 @@ struct scenario {
     uint32_t spring_count;           // 1..SCENARIO_SPRING_MAX; 0 for other models
     struct scenario_simulation simulation;
     enum scenario_response response;
-    double firewall_distance; // [m] least s_L
+    double firewall_distance; // [m] least s_L_min
 
     // Of the other models.
     struct scenario_formula formula;

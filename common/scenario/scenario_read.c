@@ -37,7 +37,7 @@ static const struct field crash_fields[] = {
     {"vehicle", FIELD_NODE, AT(document, crash.vehicle),
      .expected = "a mapping with mass, yaw_inertia and speed"},
     {"barrier", FIELD_NODE, AT(document, crash.barrier),
-     .expected = "a mapping with face_x, edge_y and overlap"},
+     .expected = "a mapping with face_x and edge_y"},
     {"springs", FIELD_NODE, AT(document, crash.springs), .expected = "a list of springs"},
     {"simulation", FIELD_NODE, .optional = true, AT(document, crash.simulation)},
     {"response", FIELD_WORD, AT(document, scenario.response), .words = scenario_response_words},

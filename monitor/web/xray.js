@@ -13,7 +13,7 @@ const Xray = (() => {
   ];
   const look = (kind) => kind === 0 ? LOOKS[0] : LOOKS[1 + (kind - 1) % (LOOKS.length - 1)];
 
-  const OUTCOME_WORDS = { s_L: "s_L (distance to the firewall)", non_finite: "no finite outcome" };
+  const OUTCOME_WORDS = { s_L_min: "s_L_min (distance to the firewall)", non_finite: "no finite outcome" };
 
   function constraintName(constraint) {
     const unit = constraint.unit === "1" ? "" : " " + constraint.unit;

@@ -54,7 +54,7 @@ bad_reference_is_refused()
     run 3 sobox-coordinator "$scenario" --out run --set 'search.reference={front: 1e3}'
     expect_said out '^reference    search.reference is not a good design'
     expect_equal "$(json run/result.json '$.searches[0].evaluations')" 1 'designs'
-    expect_equal "$(json run/result.json '$.searches[0].least_violating_design.outcome')" s_L \
+    expect_equal "$(json run/result.json '$.searches[0].least_violating_design.outcome')" s_L_min \
         'what it violates'
 }
 
@@ -99,8 +99,8 @@ cases_are_told_apart()
 {
     run 0 sobox-coordinator "$scenario" --out run \
         --set 'cases=[{name: light, vehicle: {mass: 1500}}, {name: heavy, vehicle: {mass: 1800}}]'
-    expect_said out '^  light\.s_L >= '
-    expect_said out '^  heavy\.s_L >= '
+    expect_said out '^  light\.s_L_min >= '
+    expect_said out '^  heavy\.s_L_min >= '
     expect_said out 'good in light and heavy'
     local light heavy
     light=$(json run/result.json '$.searches[0].constraints[0].holds')

@@ -55,7 +55,7 @@ every_outcome_can_be_bound()
 # Bounds that contradict each other leave no design, and the run says which stood in the way.
 contradicting_bounds_are_named()
 {
-    run 3 sobox-coordinator "$scenario" --set 'constraints={s_L: {max: 0.2}}' --out run
+    run 3 sobox-coordinator "$scenario" --set 'constraints={s_L_min: {max: 0.2}}' --out run
     expect_equal "$(json run/result.json '$.searches[0].status')" no_good_design 'status'
-    expect_equal "$(json run/result.json '$.searches[0].blocking_constraint')" s_L 'obstacle'
+    expect_equal "$(json run/result.json '$.searches[0].blocking_constraint')" s_L_min 'obstacle'
 }

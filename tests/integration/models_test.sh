@@ -47,7 +47,7 @@ obstacle_names_its_case()
     awk '{print} END {print "cases: [{name: sedan}, {name: truck, vehicle.mass: 9000}]"}' \
         "$scenario" >two.yaml
     run 3 sobox-coordinator two.yaml --out run
-    expect_equal "$(json run/result.json '$.searches[0].blocking_constraint')" truck.s_L 'obstacle'
+    expect_equal "$(json run/result.json '$.searches[0].blocking_constraint')" truck.s_L_min 'obstacle'
 }
 
 formula_is_simulated()

@@ -35,7 +35,7 @@ page_follows_a_run_to_its_end()
     local before
     before=$(script 'return document.querySelector("#corridors canvas").getAttribute("aria-label")')
     wait_for_page 'corridors move' "document.querySelector('#corridors canvas').getAttribute('aria-label') !== $(_quote "$before")"
-    wait_for_page 'samples are drawn' '/ (good|bad)|s_L/.test(document.querySelector("#xray canvas")?.getAttribute("aria-label"))'
+    wait_for_page 'samples are drawn' '/ (good|bad)|s_L_min/.test(document.querySelector("#xray canvas")?.getAttribute("aria-label"))'
     finish 0 coordinator
     wait_for_page 'the end is shown' 'document.querySelector("#run-state").textContent === "done"'
     # The corridor at the end is that of the run folder.
@@ -72,7 +72,7 @@ pairs_of_variables_are_chosen_and_paged_through()
     _expect_text '#xray-step-text' '^step [0-9]+, [a-z]+$'
     # Bad samples of that step have a reason, which has its line in the legend.
     script 'const s = document.querySelector("#xray-step"); s.value = 0; s.dispatchEvent(new Event("input"))'
-    wait_for_page 'the reason is in the legend' '/s_L .*< 0.25 m/.test(document.querySelector("#xray .legend").textContent)'
+    wait_for_page 'the reason is in the legend' '/s_L_min .*< 0.25 m/.test(document.querySelector("#xray .legend").textContent)'
     # What the chart offers to keep is a picture and a table.
     script 'const make = URL.createObjectURL; URL.createObjectURL = (blob) => { window.kept = blob; return make.call(URL, blob); };
         for (const b of document.querySelectorAll("#xray figcaption button")) { if (b.textContent === "SVG") b.click(); }

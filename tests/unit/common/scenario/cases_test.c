@@ -94,14 +94,14 @@ static void outcomes_and_constraints_count_over_cases(void **state)
     assert_int_equal(scenario_outcome_find(&s, "b.s_L"), own + OUTCOME_S_L);
     assert_int_equal(scenario_outcome_find(&s, "s_L"), 2 * own);
 
-    // Of `any` one and three of the user's, of `rotating` one more.
-    assert_int_equal(s.constraint_count, 4 + 5);
-    assert_int_equal(s.constraints[0].outcome, OUTCOME_S_L);
-    assert_int_equal(s.constraints[4].outcome, own + OUTCOME_S_L);
+    // Of `any` one and three of the user's, of `rotating` two more.
+    assert_int_equal(s.constraint_count, 4 + 6);
+    assert_int_equal(s.constraints[0].outcome, OUTCOME_S_L_MIN);
+    assert_int_equal(s.constraints[4].outcome, own + OUTCOME_S_L_MIN);
     assert_int_equal(s.constraints[5].outcome, own + OUTCOME_ABWP);
     assert_true(s.constraints[3].max == 1.0);
-    assert_true(s.constraints[8].max == 0.9);
-    assert_int_equal(s.cases[1].constraints[4].outcome, OUTCOME_S_L);
+    assert_true(s.constraints[9].max == 0.9);
+    assert_int_equal(s.cases[1].constraints[5].outcome, OUTCOME_S_L);
     scenario_fini(&s);
 }
 

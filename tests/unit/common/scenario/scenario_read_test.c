@@ -89,7 +89,7 @@ static void absent_keys_keep_their_defaults(void **state)
     (void)state;
     struct scenario s = read_valid("name: short\n"
                                    "vehicle: {mass: 1, yaw_inertia: 1, speed: 1}\n"
-                                   "barrier: {face_x: -2, edge_y: -0.4, overlap: 0.4}\n"
+                                   "barrier: {face_x: -2, edge_y: -0.4}\n"
                                    "springs:\n"
                                    "- name: a\n"
                                    "  position: [-1, -0.7]\n"
@@ -105,6 +105,7 @@ static void absent_keys_keep_their_defaults(void **state)
     assert_memory_equal(&s.search, &initial.search, sizeof s.search);
     assert_true(s.barrier.width == 1.15 && s.barrier.edge_radius == 0.15);
     assert_int_equal(s.barrier.profile, SCENARIO_PROFILE_FLAT);
+    assert_true(fabs(s.barrier.overlap - 0.3) < 1e-12);
     assert_true(s.vehicle.cog[0] == 0 && s.vehicle.cog[1] == 0);
     // A firewall at the A-pillar gives no length to measure violations by.
     assert_int_equal(s.constraint_count, 1);
@@ -121,6 +122,42 @@ static void default_length_reaches_the_face(void **state)
     struct scenario s = read_valid(example, NULL);
     assert_true(fabs(s.springs[0].length - (-0.83 + 0.1 + 2.08)) < 1e-12);
     scenario_fini(&s);
+}
+
+// Without an overlap the lateral travel is judged by the way that the A-pillar has to the end of
+// the face, wherever the COG is; one that is given holds.
+static void default_overlap_ends_with_the_face(void **state)
+{
+    (void)state;
+    char *text = replaced(example, "  overlap: 0.455\n", "");
+    static const struct {
+        const char *override;
+        double overlap; // [m]
+    } cases[] = {
+        {NULL, 0.295},
+        {"vehicle.cog=[0.1, 0.05]", 0.245},
+        {"barrier.edge_y=-0.5", 0.25},
+        {"barrier.overlap=0.4", 0.4},
+        {"springs.0.position=[-0.83, 0.1]", -1}, // beside the barrier
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+        struct scenario s;
+        struct error error = {0};
+        enum status status =
+            scenario_read_text(&s, "t.yaml", text, strlen(text), &cases[i].override,
+                               cases[i].override != NULL ? 1 : 0, &error);
+        assert_int_equal(status, cases[i].overlap > 0 ? STATUS_OK : STATUS_INVALID);
+        if (status == STATUS_OK)
+            assert_true(fabs(s.barrier.overlap - cases[i].overlap) < 1e-12);
+        else
+            assert_string_equal(error.text,
+                                "--set springs.0.position=[-0.83, 0.1]:1:1: springs.0.position: "
+                                "the first spring starts 0.555 m beside the barrier's end: "
+                                "expected a y of less than -0.455 m, or a barrier.overlap by "
+                                "which lateral travel is judged, found 0.1");
+        scenario_fini(&s);
+    }
+    g_free(text);
 }
 
 // The order of variables is part of every result file: spring by spring, x points, y points.
@@ -160,7 +197,7 @@ static void constraints_follow_the_response(void **state)
     (void)state;
     struct scenario s = read_valid(example, NULL);
     assert_int_equal(s.constraint_count, 6);
-    assert_constraint(&s.constraints[0], OUTCOME_S_L, 0.25, INFINITY, 0.25);
+    assert_constraint(&s.constraints[0], OUTCOME_S_L_MIN, 0.25, INFINITY, 0.25);
     assert_constraint(&s.constraints[1], OUTCOME_ABWAP, 1, INFINITY, 1);
     assert_constraint(&s.constraints[2], OUTCOME_ABWP, 1, INFINITY, 1);
     assert_constraint(&s.constraints[3], OUTCOME_YAW_DEG, -20, 10, 20);
@@ -169,8 +206,11 @@ static void constraints_follow_the_response(void **state)
     scenario_fini(&s);
 
     s = read_valid(example, "response=rotating");
+    assert_constraint(&s.constraints[0], OUTCOME_S_L_MIN, 0.25, INFINITY, 0.25);
     assert_constraint(&s.constraints[1], OUTCOME_ABWP, -INFINITY, 1, 1);
-    assert_int_equal(s.constraint_count, 5);
+    const double below_90 = nextafter(90, 0);
+    assert_constraint(&s.constraints[2], OUTCOME_YAW_MAX_DEG, -INFINITY, below_90, below_90);
+    assert_int_equal(s.constraint_count, 6);
     scenario_fini(&s);
 
     s = read_valid(example, "response=any");
@@ -607,6 +647,7 @@ int main(void)
         cmocka_unit_test(every_key_arrives),
         cmocka_unit_test(absent_keys_keep_their_defaults),
         cmocka_unit_test(default_length_reaches_the_face),
+        cmocka_unit_test(default_overlap_ends_with_the_face),
         cmocka_unit_test(variables_stand_spring_by_spring),
         cmocka_unit_test(constraints_follow_the_response),
         cmocka_unit_test(wrong_keys_are_named),

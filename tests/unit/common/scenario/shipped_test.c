@@ -54,13 +54,15 @@ static void shipped_geometry_is_a_small_overlap(void **state)
     (void)state;
     for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
         struct scenario scenario = read_shipped(names[i], NULL);
-        double overlap = scenario.barrier.overlap, edge = scenario.barrier.edge_y;
-        // Half the width is twice the overlap, and the edge lies an overlap inside the side.
-        assert_true(fabs(edge + overlap) < 1e-9);
+        // A quarter of the width overlaps, so the edge lies half way from the COG to the side.
+        double edge = scenario.barrier.edge_y, side = 2 * edge;
+        // The A-pillar stands inside the side; 1 says that it has passed the barrier's end.
+        double overlap = edge - scenario.springs[0].position[1];
+        assert_true(fabs(scenario.barrier.overlap - overlap) < 1e-9);
         for (uint32_t s = 0; s < scenario.spring_count; s++) {
             const struct scenario_spring *spring = &scenario.springs[s];
             assert_true(spring->position[1] < edge);
-            assert_true(spring->position[1] > -2 * overlap);
+            assert_true(spring->position[1] > side);
             assert_true(spring->deformation[spring->point_count - 1] < spring->length);
         }
         scenario_fini(&scenario);
@@ -130,16 +132,15 @@ static void shipped_cars_are_simulated_converged(void **state)
     }
 }
 
-// The first file shows every key, so leaving the optional ones out changes nothing but the
-// integrator.
+// The first file shows every key, so leaving the optional ones out changes nothing.
 static void the_complete_example_shows_the_defaults(void **state)
 {
     (void)state;
     struct scenario shown = read_shipped("sedan-two-springs", NULL);
     struct scenario initial;
     scenario_init(&initial);
-    assert_int_equal(initial.simulation.integrator, SCENARIO_INTEGRATOR_CENTRAL_DIFFERENCE);
-    initial.simulation.integrator = SCENARIO_INTEGRATOR_EVENT_VERLET;
+    assert_int_equal(initial.simulation.integrator, SCENARIO_INTEGRATOR_EVENT_VERLET);
+    assert_int_equal(initial.simulation.reloading, SCENARIO_RELOADING_CRUSHED);
     assert_memory_equal(&shown.simulation, &initial.simulation, sizeof initial.simulation);
     assert_memory_equal(&shown.search, &initial.search, sizeof initial.search);
     assert_true(shown.barrier.width == initial.barrier.width);

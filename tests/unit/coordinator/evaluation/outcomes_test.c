@@ -40,7 +40,7 @@ static void assert_written(const char *names, const struct designs *designs, uin
     enum { DESIGNS = 3 };
     const uint32_t count = scenario_outcome_count(&scenario);
     double *values = g_new0(double, DESIGNS *(size_t)count);
-    const uint32_t s_l = scenario_outcome_find(&scenario, "s_L");
+    const uint32_t s_l = scenario_outcome_find(&scenario, "s_L_min");
     const uint32_t yaw = scenario_outcome_find(&scenario, "yaw_deg");
     values[s_l] = 0.5;
     values[count + s_l] = 0.125;
@@ -67,11 +67,11 @@ static void rows_say_what_came_of_each_design(void **state)
     (void)state;
     const char *ids[] = {"a,", "bc,", "d,"};
     uint32_t id_sizes[] = {1, 2, 1};
-    assert_written("yaw_deg,s_L", &(struct designs){.count = 3, .ids = ids, .id_sizes = id_sizes},
-                   1,
-                   "id,yaw_deg,s_L,good,violated\n"
+    assert_written("yaw_deg,s_L_min",
+                   &(struct designs){.count = 3, .ids = ids, .id_sizes = id_sizes}, 1,
+                   "id,yaw_deg,s_L_min,good,violated\n"
                    "a,0,0.5,1,\n"
-                   "bc,-30,0.125,0,s_L;yaw_deg\n"
+                   "bc,-30,0.125,0,s_L_min;yaw_deg\n"
                    "d,0,0.5,0,\n");
 }
 
@@ -82,7 +82,7 @@ static void designs_without_ids_are_numbered(void **state)
     assert_written("travel_x", &(struct designs){.count = 3}, 16385,
                    "id,travel_x,good,violated\n"
                    "16385,0,1,\n"
-                   "16386,0,0,s_L;yaw_deg\n"
+                   "16386,0,0,s_L_min;yaw_deg\n"
                    "16387,nan,0,\n");
 }
 

@@ -155,7 +155,8 @@ static void obstacle_names_its_case(void **state)
     sample_run(*state, text, 1, SAMPLE_NO_GOOD_DESIGN);
     char *table = printed(*state);
     assert_contains(table, "sample, good in sedan and wagon\n");
-    assert_contains(table, "in the way   sedan.s_L >= 0.25 m: violated worst by 8 of 8 samples");
+    assert_contains(table,
+                    "in the way   sedan.s_L_min >= 0.25 m: violated worst by 8 of 8 samples");
     free(table);
     g_free(text);
 }

@@ -189,7 +189,7 @@ static void no_good_design_names_the_obstacle(void **state)
     g_free(json);
     char *table = printed(*state);
     assert_contains(table, "no good design found");
-    assert_contains(table, "s_L >= 0.25 m: violated worst by 8 of 8 samples");
+    assert_contains(table, "s_L_min >= 0.25 m: violated worst by 8 of 8 samples");
     assert_null(strstr(table, "F_x"));
     g_free(table);
 }
