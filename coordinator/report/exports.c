@@ -226,7 +226,7 @@ static json_t *json_variables(const struct run_data_search *search)
     return variables;
 }
 
-// Which designs were looked at, and how far they press each spring.
+// Which designs were looked at, how many of them turn too far, and how far they press each spring.
 static json_t *json_reach(const struct run_data_search *search)
 {
     const struct scenario *scenario = &search->scenario;
@@ -239,9 +239,10 @@ static json_t *json_reach(const struct run_data_search *search)
                                "deformation_max_m", search->reach.deformation_max[i], "points",
                                (int)scenario->springs[i].point_count, "points_reached",
                                (int)reach_points(&search->reach, scenario, i)));
-    return json_pack("{s:i, s:{s:i, s:i, s:i, s:i}, s:o}", "designs", (int)REACH_DESIGNS, "kinds",
-                     "points", (int)REACH_POINTS, "curves", (int)REACH_CURVES, "levels",
-                     (int)REACH_LEVELS, "bounds", (int)REACH_BOUNDS, "springs", springs);
+    return json_pack("{s:i, s:{s:i, s:i, s:i, s:i}, s:i, s:o}", "designs", (int)REACH_DESIGNS,
+                     "kinds", "points", (int)REACH_POINTS, "curves", (int)REACH_CURVES, "levels",
+                     (int)REACH_LEVELS, "bounds", (int)REACH_BOUNDS, "yaw_beyond_90_deg",
+                     (int)search->reach.turned, "springs", springs);
 }
 
 static json_t *json_look(uint64_t samples, uint64_t bad, double estimate, double lower95)

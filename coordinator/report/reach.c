@@ -77,12 +77,26 @@ static void fill_block(const struct scenario *scenario, const struct box *box, u
 
 // ---- Crashes ----
 
+// Counts the designs of a block that turn too far; `turned` (MODEL_BLOCK) knows those that did in
+// an earlier case.
+static void take_turns(struct reach *reach, const double *yaw_max, bool *turned)
+{
+    const double degree = G_PI / 180.0; // [rad]
+    for (uint32_t i = 0; i < MODEL_BLOCK; i++) {
+        if (turned[i] || !small_overlap_turned(yaw_max[i] / degree))
+            continue;
+        turned[i] = true;
+        reach->turned++;
+    }
+}
+
 // Raises the greatest deformations to those of a block in one case. A motion that left the finite
 // numbers says nothing.
 static void take_block(struct reach *reach, const struct kinematics_problem *problem,
-                       uint32_t spring_count, const double *values, double *results)
+                       uint32_t spring_count, const double *values, double *results, bool *turned)
 {
     kinematics_evaluate(problem, MODEL_BLOCK, values, results, MODEL_BLOCK);
+    take_turns(reach, results + (size_t)KINEMATICS_YAW_MAX * MODEL_BLOCK, turned);
     for (uint32_t s = 0; s < spring_count; s++) {
         const double *row = results + (size_t)kinematics_deformation_row(problem, s) * MODEL_BLOCK;
         for (uint32_t i = 0; i < MODEL_BLOCK; i++)
@@ -94,7 +108,7 @@ static void take_block(struct reach *reach, const struct kinematics_problem *pro
 // All designs in one case: a case has the variables of its scenario, and a vehicle and a barrier of
 // its own.
 static void take_case(struct reach *reach, const struct scenario *of, const struct box *box,
-                      uint64_t seed)
+                      uint64_t seed, bool turned[REACH_DESIGNS])
 {
     const struct kinematics_omitted omitted = {.energies = true};
     struct kinematics_problem *problem = small_overlap_problem(of, NULL, omitted);
@@ -103,7 +117,7 @@ static void take_case(struct reach *reach, const struct scenario *of, const stru
     double *results = g_new(double, (size_t)kinematics_result_count(problem) * MODEL_BLOCK);
     for (uint32_t index = 0; index < REACH_DESIGNS; index += MODEL_BLOCK) {
         fill_block(of, box, seed, index, values);
-        take_block(reach, problem, of->spring_count, values, results);
+        take_block(reach, problem, of->spring_count, values, results, turned + index);
     }
     g_free(results);
     g_free(values);
@@ -117,10 +131,11 @@ void reach_find(struct reach *reach, const struct scenario *scenario, const stru
     if (scenario->spring_count == 0)
         return;
     assert(box->count == scenario->design_space.count);
+    bool turned[REACH_DESIGNS] = {false};
     if (scenario->case_count == 0)
-        take_case(reach, scenario, box, seed);
+        take_case(reach, scenario, box, seed, turned);
     for (uint32_t i = 0; i < scenario->case_count; i++)
-        take_case(reach, &scenario->cases[i], box, seed);
+        take_case(reach, &scenario->cases[i], box, seed, turned);
     reach->spring_count = scenario->spring_count;
 }
 

@@ -20,6 +20,9 @@
 //     levels   all axial curves at one level, all lateral ones at another
 //     bounds   all axial curves at one bound, all lateral ones at one: the four corners
 //
+// The same designs tell how many turn beyond 90 degrees, where no spring's line meets the barrier's
+// face any more: what such a car did afterwards, it did without a barrier.
+//
 // Which designs those are follows from scenario, box and seed, and so does the answer: it is found
 // again from any run folder, also from one that was written before there was this.
 #ifndef SOBOX_COORDINATOR_REPORT_REACH_H
@@ -47,6 +50,7 @@ struct reach {
     uint32_t spring_count;                       // 0: the model has no springs, or nobody looked
     double deformation_max[SCENARIO_SPRING_MAX]; // [m] in contact, over all designs and cases; 0
                                                  // where the barrier never met the spring
+    uint32_t turned;                             // designs that turn beyond 90 degrees, in any case
 };
 
 // Simulates designs of the box of a scenario. Of a model without springs nothing is known after it.

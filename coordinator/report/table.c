@@ -123,6 +123,18 @@ static void print_reach(const struct run_data_search *search, FILE *out)
                 number_count(REACH_DESIGNS, designs));
 }
 
+// Cars that no barrier holds any more are told wherever there are some: no response but rotating
+// asks for anything that would keep them out.
+static void print_turned(const struct run_data_search *search, FILE *out)
+{
+    char turned[NUMBER_SIZE], designs[NUMBER_SIZE];
+    if (search->reach.turned > 0)
+        fprintf(out,
+                "turned       %s of %s simulated designs turn beyond 90 degrees, where no\n"
+                "             spring meets the barrier: their outcomes are those of no crash\n",
+                number_count(search->reach.turned, turned), number_count(REACH_DESIGNS, designs));
+}
+
 // ---- variables that are no spring's ----
 
 static void print_variable(const struct run_data_search *search, uint32_t index, int name_width,
@@ -288,6 +300,7 @@ static void print_search(const struct run_data_search *search, const struct repo
         print_purity(search, out);
         if (search->box != NULL)
             fprintf(out, "log-volume   %.3f (0 is the whole design space)\n", search->log_volume);
+        print_turned(search, out);
     }
     print_cost(search, out);
     g_free(name);

@@ -366,6 +366,35 @@ static void table_marks_what_no_design_reaches(void **state)
     g_free(table);
 }
 
+// A car that turns beyond 90 degrees is told in the table and in result.json: here a turntable that
+// every design turns right round.
+static void designs_that_turn_too_far_are_told(void **state)
+{
+    static const char SPUN[] = "name: spun\n"
+                               "vehicle: {mass: 1650, yaw_inertia: 200, speed: 17.889}\n"
+                               "barrier: {face_x: -2.08, edge_y: -0.455}\n"
+                               "springs:\n"
+                               "  - name: front\n"
+                               "    position: [-0.83, -0.75]\n"
+                               "    deformation: [0.0, 1.2]\n"
+                               "    force_x: {lower: 300e3, upper: 500e3}\n"
+                               "    force_y: {lower: 0, upper: 0}\n"
+                               "response: any\n"
+                               "firewall_distance: 0.25\n";
+    sample_run(*state, SPUN, 1, SAMPLE_DONE);
+    write_reports(*state);
+    char *table = printed(*state);
+    assert_contains(table,
+                    "\nturned       2,048 of 2,048 simulated designs turn beyond 90 degrees, where "
+                    "no\n             spring meets the barrier: ");
+    g_free(table);
+    json_t *root = read_json(*state);
+    const json_t *search = json_array_get(json_object_get(root, "searches"), 0);
+    const json_t *turned = json_object_get(json_object_get(search, "reach"), "yaw_beyond_90_deg");
+    assert_int_equal(json_integer_value(turned), REACH_DESIGNS);
+    json_decref(root);
+}
+
 // A journal whose result does not fit its scenario is refused before anything is indexed by it.
 static void contradicting_journal_is_refused(void **state)
 {
@@ -405,6 +434,7 @@ int main(void)
         IN_FOLDER(export_that_fails_leaves_the_old_one),
         IN_FOLDER(table_is_golden),
         IN_FOLDER(table_marks_what_no_design_reaches),
+        IN_FOLDER(designs_that_turn_too_far_are_told),
         IN_FOLDER(contradicting_journal_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

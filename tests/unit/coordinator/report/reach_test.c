@@ -216,6 +216,43 @@ static void deepest_case_counts(void **state)
     g_free(yaml);
 }
 
+// A light turntable whose only force is far from its COG is turned right round, whatever the
+// design; the usual car is not. A design that turns in several cases is one design.
+static void designs_that_turn_too_far_are_counted_once(void **state)
+{
+    (void)state;
+    static const char SPUN[] = "name: spun\n"
+                               "vehicle: {mass: 1650, yaw_inertia: 200, speed: 17.889}\n"
+                               "barrier: {face_x: -2.08, edge_y: -0.455}\n"
+                               "springs:\n"
+                               "  - name: front\n"
+                               "    position: [-0.83, -0.75]\n"
+                               "    deformation: [0.0, 1.2]\n"
+                               "    force_x: {lower: 400e3, upper: 450e3}\n"
+                               "    force_y: {lower: 0, upper: 0}\n"
+                               "response: any\n"
+                               "firewall_distance: 0.25\n";
+    static const struct {
+        const char *cases;
+        uint32_t turned;
+    } expected[] = {
+        {"", REACH_DESIGNS},
+        {"cases: [{name: usual, vehicle.yaw_inertia: 3000}]\n", 0},
+        {"cases: [{name: usual, vehicle.yaw_inertia: 3000}, {name: spun}, {name: again}]\n",
+         REACH_DESIGNS},
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(expected); i++) {
+        char *yaml = g_strconcat(SPUN, expected[i].cases, NULL);
+        struct scenario scenario;
+        struct reach reach;
+        read_scenario(&scenario, yaml);
+        reach_find(&reach, &scenario, &scenario.design_space, 1);
+        assert_int_equal(reach.turned, expected[i].turned);
+        scenario_fini(&scenario);
+        g_free(yaml);
+    }
+}
+
 // The same scenario, box and seed find the same again, to the bit.
 static void reach_is_found_again(void **state)
 {
@@ -262,6 +299,7 @@ int main(void)
         cmocka_unit_test(force_at_the_last_point_in_reach_changes_a_crash),
         cmocka_unit_test(deepest_design_is_that_of_the_energy),
         cmocka_unit_test(deepest_case_counts),
+        cmocka_unit_test(designs_that_turn_too_far_are_counted_once),
         cmocka_unit_test(reach_is_found_again),
         cmocka_unit_test(formula_has_nothing_to_reach),
     };
