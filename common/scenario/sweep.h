@@ -3,12 +3,12 @@
 //     sweep: masses
 //     base: sedan-two-springs.yaml      # relative to this file
 //     axes:
-//       - {path: vehicle.mass, values: [1500, 1650, 1800]}
+//       - {path: barrier.edge_y, values: [-0.61, -0.455]}
 //       - {path: firewall_distance, linspace: [0.2, 0.3, 5]}   # from, to, how many
 //       - {path: search.samples, range: [100, 300, 100]}       # from, to, step (optional, 1)
 //       - zip:                                                 # go together, one by one
-//           - {path: vehicle.speed, values: [15.6, 17.9]}
-//           - {path: barrier.overlap, values: [0.3, 0.455]}
+//           - {path: vehicle.mass, values: [1500, 1800]}
+//           - {path: vehicle.yaw_inertia, values: [2700, 3300]}
 //       - csv: cases.csv            # columns headed by paths, and perhaps one headed `case`
 //     replicates: 20                # seeds: the base's search.seed and those that follow it
 //

@@ -102,6 +102,34 @@ static bool choose_name(const struct run_choice *choice, const char *name)
     return choice->only == NULL || fnmatch(choice->only, name, 0) == 0;
 }
 
+// Whether the verdicts of a scenario depend on barrier.overlap: it changes no crash, only by what
+// length two of the outcomes are measured.
+static bool judged_by_overlap(const struct scenario *scenario)
+{
+    for (uint32_t i = 0; i < scenario->case_count; i++)
+        if (judged_by_overlap(&scenario->cases[i]))
+            return true;
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP || scenario->case_count > 0)
+        return false;
+    for (uint32_t i = 0; i < scenario->constraint_count; i++) {
+        const uint32_t outcome = scenario->constraints[i].outcome;
+        if (outcome == OUTCOME_ABWAP || outcome == OUTCOME_ABWP)
+            return true;
+    }
+    return false;
+}
+
+// Says when searches will be the same for each value of an axis whose name promises another crash.
+static void note_overlap(const struct run_cases *cases)
+{
+    if (cases->without_overlap > 0 &&
+        g_strv_contains(sweep_columns(cases->sweep), "barrier.overlap"))
+        log_note(
+            "barrier.overlap changes nothing in %u of %u cases: it only scales AbWAP and AbWP, "
+            "which no constraint bounds there; barrier.edge_y moves the end of the face",
+            cases->without_overlap, cases->count);
+}
+
 enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scenario *scenario,
                            struct error *error)
 {
@@ -115,6 +143,7 @@ enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scen
         struct error reason = {0};
         if (sweep_scenario(cases->sweep, *index, scenario, &reason) == STATUS_OK) {
             cases->count++;
+            cases->without_overlap += !judged_by_overlap(scenario);
             return STATUS_OK;
         }
         if (!choice->keep_going)
@@ -132,6 +161,7 @@ enum status run_cases_check(const struct run_cases *cases, struct error *error)
     if (cases->invalid > 0)
         log_note("%u case%s left out because of an invalid scenario", cases->invalid,
                  cases->invalid == 1 ? " is" : "s are");
+    note_overlap(cases);
     if (cases->count > 0)
         return STATUS_OK;
     if (cases->invalid > 0)

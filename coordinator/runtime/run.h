@@ -95,6 +95,7 @@ struct run_cases {
     uint32_t next;                   // case to look at
     uint32_t count;                  // given so far
     uint32_t invalid;                // left out
+    uint32_t without_overlap;        // given so far whose verdicts do not depend on barrier.overlap
 };
 
 void run_cases_init(struct run_cases *cases, const struct sweep *sweep,
@@ -105,7 +106,8 @@ void run_cases_init(struct run_cases *cases, const struct sweep *sweep,
 enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scenario *scenario,
                            struct error *error) MUST_USE;
 
-// Called after the last: says whether there was any. Errors: STATUS_INVALID.
+// Called after the last: says whether there was any, and notes what was left out and what varies
+// without a consequence. Errors: STATUS_INVALID.
 enum status run_cases_check(const struct run_cases *cases, struct error *error) MUST_USE;
 
 // Takes up a run folder where its journal ends. Searches that are done stay so; of the others those

@@ -269,3 +269,44 @@ sweep_is_reported_with_tables_and_pictures()
     expect_said err 'not a sweep'
     expect_no no.html
 }
+
+_digests() # RUN
+{
+    journal "$1" 'SELECT hex(digest) FROM search ORDER BY number'
+}
+
+# The overlap of a crash is where the barrier's face ends. barrier.overlap is only a measure: under a
+# response that does not use it, each of its values gives the same search, and that is said.
+overlap_that_is_swept_changes_the_crash()
+{
+    cat >edges.yaml <<EOF
+sweep: edges
+base: $scenario
+axes: [{path: barrier.edge_y, values: [-0.61, -0.455]}]
+EOF
+    run 0 sobox-coordinator edges.yaml --out edges
+    ! grep -q 'barrier.overlap' err || fail 'barrier.overlap is noted'
+    expect_equal "$(_digests edges | sort -u | wc -l)" 2 'digests of two edges'
+    sed 's/edge_y/overlap/; s/-0.61, -0.455/0.3, 0.455/; s/edges/measures/' edges.yaml >measures.yaml
+    run 0 sobox-coordinator measures.yaml --out measures
+    expect_equal "$(_digests measures | sort -u | wc -l)" 1 'digests of two measures'
+    expect_said err 'barrier.overlap changes nothing in 2 of 2 cases: .* barrier.edge_y moves'
+    run 0 sobox-coordinator measures.yaml --set response=rotating --out rotating
+    ! grep -q 'barrier.overlap' err || fail 'barrier.overlap is noted'
+    expect_equal "$(_digests rotating | sort -u | wc -l)" 2 'digests of two measures of AbWP'
+}
+
+# The sweep that the manual shows is one, and what it calls an overlap changes the crash.
+sweep_of_the_manual_is_valid()
+{
+    awk '/^[.]SH SWEEPS/ { on = 1 } on && /^[.]fi/ { exit } on && !/^[.]/' \
+        "$here/../../deploy/man/sobox-coordinator.1" | sed 's/\\-/-/g' |
+        sed "s|^base: .*|base: $scenario|" >sweep.yaml
+    printf 'response\nany\nglancing_off\n' >cases.csv
+    run 0 sobox-coordinator sweep.yaml --dry-run
+    ! grep -q 'barrier.overlap' err || fail 'barrier.overlap is noted'
+    expect_said out '^edge_y=-0.61,firewall_distance=0.2,samples=100,mass=1500,'
+    run 0 sobox-coordinator sweep.yaml --out run --only \
+        'edge_y=*,firewall_distance=0.2,samples=100,mass=1500,*,response=any,seed=1'
+    expect_equal "$(_digests run | sort -u | wc -l)" 2 'digests of the two overlaps'
+}
