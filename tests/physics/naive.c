@@ -8,14 +8,20 @@ enum { X, Y, YAW, FREEDOM };
 struct naive_spring {
     double length;      // [m] l
     double deformation; // [m] s
-    double p2[2];       // [m]
+    double p2[2];       // [m] where forces act
+    double projection;  // [m] y on the barrier, or on the plane of the face
     double normal[2];   // of the barrier at P2
     bool contact;
-    double force[2]; // [N] in vehicle axes
-    double work[2];  // [J] done on the vehicle by its x force, its y force
-    double deepest;  // [m] greatest deformation in contact
-    double before;   // [m] deformation that loading is told from
-    double margin;   // [m] to the nearer end of the face
+    double force[2];    // [N] in vehicle axes
+    double work[2];     // [J] done on the vehicle by its x force, its y force
+    double deepest;     // [m] greatest deformation in contact
+    double before;      // [m] deformation that loading is told from
+    double margin;      // [m] to the nearer end of the face
+    double slip;        // [m] length with which it slips off there
+    bool slipped;       // off a rounded edge within the step,
+    double slip_length; // [m] at this length
+    bool touched;       // at the time before
+    double slip_before; // [m] slip at the time before
     // Of the time before, for event Verlet.
     double deformation_before; // [m]
     double growth_before;      // [m] over the step before that time
@@ -31,7 +37,7 @@ struct naive {
     double felt;     // [N] in x, without what event Verlet makes good
     double moment;   // [Nm]
     double work_rate[KINEMATICS_SPRING_MAX];
-    bool slipped;       // event Verlet: spring 0 left the face within the step,
+    bool slipped;       // spring 0 left the face within the step: event Verlet, or a rounded edge,
     double slip_length; // [m] at this length
     // Gathered for the results.
     double length_last, length_min, yaw_max, ax_max, ax_sum;
@@ -104,15 +110,25 @@ static void project(const struct kinematics_setup *setup, const double q[FREEDOM
         }
     }
     spring->margin = fmin(setup->edge_y - flat_y, flat_y - (setup->edge_y - setup->width));
-    if (setup->profile == KINEMATICS_PROFILE_ROUNDED &&
-        flat_y > setup->edge_y - setup->edge_radius) {
-        // Distance of the line from the circle's centre, towards the vehicle's left, and P2 or the
-        // foot of the centre on the line.
+    spring->slip = spring->length;
+    spring->projection = spring->p2[1];
+    if (setup->profile == KINEMATICS_PROFILE_ROUNDED) {
+        // Distance of the line from the circle's centre, towards the vehicle's left. The line is
+        // tangent at r, or leaves the quarter at its end, whose height over the centre is r.
         const double r = setup->edge_radius;
         const double w[2] = {p1[0] - (setup->face_x - r), p1[1] - (setup->edge_y - r)};
         const double left = w[0] * sn - w[1] * c;
-        const double chord = sqrt(fmax(r * r - left * left, 0.0));
-        spring->margin = fmin(r + left, chord * c + left * sn);
+        const double foot = w[0] * c + w[1] * sn;
+        const double inner = left + (sn > 0.0 ? r * c : r);
+        const double outer = flat_y - (setup->edge_y - setup->width);
+        const double slip = foot - (sn > 0.0 ? r * sn : 0.0);
+        spring->margin = fmin(inner, outer);
+        spring->slip = outer < inner ? (p1[0] - setup->face_x) / c : slip;
+        if (!meets && flat_y > setup->edge_y - r) {
+            spring->length = slip;
+            spring->p2[0] = p1[0] - slip * c;
+            spring->p2[1] = p1[1] - slip * sn;
+        }
     }
     spring->deformation = at->length - spring->length;
     spring->contact = meets && spring->deformation > 0.0 && c > 0.0;
@@ -191,16 +207,36 @@ static void make_good(struct naive *naive, uint32_t index, const double *values,
     if (index == 0) {
         naive->slipped = weight > 0.0 && spring->margin < 0.0 && spring->margin_before >= 0.0 &&
                          spring->deformation_before > 0.0 && !spring->contact;
+        const double share = crossing(spring->margin_before, spring->margin);
         naive->slip_length =
-            at->length - spring->deformation_before -
-            crossing(spring->margin_before, spring->margin) * (s - spring->deformation_before);
+            setup->profile == KINEMATICS_PROFILE_ROUNDED
+                ? spring->slip_before + share * (spring->slip - spring->slip_before)
+                : at->length - spring->deformation_before -
+                      share * (s - spring->deformation_before);
     }
+    spring->slip_before = spring->slip;
     spring->growth_before =
         weight > 0.0 ? s - spring->deformation_before : setup->speed * setup->time_step;
     spring->deformation_before = s;
     spring->margin_before = spring->margin;
     spring->acted[0] = acts[0];
     spring->acted[1] = acts[1];
+}
+
+// Whether a spring slipped off the rounded edge since the time before, for all other schemes.
+static void slip_off(struct naive *naive, uint32_t index)
+{
+    struct naive_spring *spring = &naive->springs[index];
+    spring->slipped = spring->touched && !spring->contact && spring->margin < 0.0;
+    spring->slip_length = spring->slip_before + crossing(spring->margin_before, spring->margin) *
+                                                    (spring->slip - spring->slip_before);
+    spring->slip_before = spring->slip;
+    spring->margin_before = spring->margin;
+    spring->touched = spring->contact;
+    if (index == 0) {
+        naive->slipped = spring->slipped;
+        naive->slip_length = spring->slip_length;
+    }
 }
 
 // Forces at a place; v is NULL where loading is told from the deformation before.
@@ -246,6 +282,8 @@ static void forces(struct naive *naive, const double q[FREEDOM], const double *v
         naive->felt += c * spring->force[0] - sn * spring->force[1];
         if (events) {
             make_good(naive, i, values, grows, reference, weight);
+        } else if (settled && setup->profile == KINEMATICS_PROFILE_ROUNDED) {
+            slip_off(naive, i);
         }
         values += 2 * (at->load.point_count + at->unload.point_count);
         // Eq. 6.39 and 6.40.
@@ -280,9 +318,12 @@ static void observe(struct naive *naive, const double q[FREEDOM])
     bool contact = false;
     for (uint32_t i = 0; i < naive->setup->spring_count; i++) {
         contact |= naive->springs[i].contact;
-        if (naive->springs[i].contact) {
-            naive->springs[i].deepest =
-                fmax(naive->springs[i].deepest, naive->springs[i].deformation);
+        struct naive_spring *spring = &naive->springs[i];
+        if (spring->contact) {
+            spring->deepest = fmax(spring->deepest, spring->deformation);
+        } else if (spring->slipped) {
+            spring->deepest =
+                fmax(spring->deepest, naive->setup->springs[i].length - spring->slip_length);
         }
     }
     const double ax = naive->felt / naive->setup->mass;
@@ -418,7 +459,7 @@ void naive_evaluate(const struct kinematics_setup *setup, const double *values, 
     results[KINEMATICS_PILLAR_TRAVEL] = q[Y] + first->position[0] * sin(q[YAW]) +
                                         first->position[1] * cos(q[YAW]) - first->position[1];
     results[KINEMATICS_PROJECTION_TRAVEL] =
-        naive.springs[0].p2[1] - setup->cog[1] - first->position[1];
+        naive.springs[0].projection - setup->cog[1] - first->position[1];
     results[KINEMATICS_YAW] = q[YAW];
     results[KINEMATICS_YAW_MAX] = naive.yaw_max;
     results[KINEMATICS_TRAVEL_X] = q[X];

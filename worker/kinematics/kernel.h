@@ -33,6 +33,7 @@ enum {
 struct kernel_event {
     double deformation[3][LANES]; // [m]
     double edge[2][LANES];        // [m] kernel_place.edge
+    double slip[2][LANES];        // [m] kernel_place.slip; of rounded barriers, in all schemes
     struct lanes_mask loads[2];   // where the load branch acted
     struct lanes_mask unloads[2]; // the same of the unload branch
     struct lanes_mask contact[2]; // where it touched
@@ -99,6 +100,7 @@ struct kernel_place {
     struct lanes place;          // [m] e
     struct lanes projection;     // [m] y_P2
     struct lanes edge;           // [m] y_P2; for rounded barriers the margin to the nearer end
+    struct lanes slip;           // [m] e where it slips off that end; set for rounded barriers only
     struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
     struct lanes normal_y;       //
     struct lanes_mask projected; // P2 lies on the barrier
@@ -225,6 +227,13 @@ LANES_INLINE struct lanes kernel_edge_margin(const struct kinematics_problem *pr
 // Moves P2 from the plane of the face onto the quarter circle where the spring's line crosses the
 // plane above it. With the line's distance h from the circle's centre, P2 lies sqrt(r^2 - h^2)
 // before the centre's foot on the line. A line that misses the quarter circle has no projection.
+//
+// The line slips off where it is tangent to the circle: a radius above the centre, with P2 at the
+// centre's foot. Turned counter-clockwise it leaves the quarter before, at the end where the
+// barrier's side begins: r cos(yaw) above the centre, with P2 r sin(yaw) before the foot. Both are
+// smooth functions of the pose, which P2 itself is not (its rate grows beyond all bounds towards
+// the tangent), so the moment and the length of slipping off are found from them. A line that
+// misses keeps the length at which it would slip off, so that no length jumps.
 LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
                                     const struct problem_spring *spring,
                                     const struct kernel_motion *at, const struct kernel_pose *pose,
@@ -232,6 +241,7 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
 {
     const double radius = problem->edge_radius;
     const struct lanes zero = lanes_set(0.0);
+    const struct lanes one = lanes_set(1.0);
     const struct lanes face = place->projection;
     const struct lanes x = lanes_add(at->x, lanes_set(radius)); // COG from the circle's centre
     const struct lanes y = lanes_sub(at->y, lanes_set(problem->edge_y - radius));
@@ -245,19 +255,22 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
     const struct lanes arm_x = lanes_fma(half_chord, pose->cosine, lanes_mul(height, pose->sine));
     const struct lanes arm_y = lanes_fms(half_chord, pose->sine, lanes_mul(height, pose->cosine));
 
-    const struct lanes_mask above =
-        lanes_less(lanes_set(problem->edge_y - radius), place->projection);
+    const struct lanes_mask above = lanes_less(lanes_set(problem->edge_y - radius), face);
     const struct lanes_mask meets =
         lanes_and_not_above(lanes_and_not_above(above, zero, square), zero, arm_x);
-    place->place = lanes_select(meets, on_arc, place->place);
-    place->projection = lanes_select(meets, lanes_add(arm_y, lanes_set(problem->edge_y - radius)),
-                                     place->projection);
-    place->normal_x = lanes_select(meets, arm_x, lanes_set(1.0));
+    const struct lanes_mask turned = lanes_less(zero, pose->sine);
+    const struct lanes highest = lanes_select(turned, pose->cosine, one);
+    const struct lanes inner = lanes_fma(lanes_set(radius), highest, height);
+    const struct lanes outer = lanes_sub(face, lanes_set(problem->far_y));
+    const struct lanes slip = lanes_fms(lanes_set(radius), lanes_max(pose->sine, zero), along);
+    place->edge = lanes_min(inner, outer);
+    place->slip = lanes_select(lanes_less(outer, inner), place->place, slip);
+    place->place = lanes_select(meets, on_arc, lanes_select(above, slip, place->place));
+    place->projection =
+        lanes_select(meets, lanes_add(arm_y, lanes_set(problem->edge_y - radius)), face);
+    place->normal_x = lanes_select(meets, arm_x, one);
     place->normal_y = lanes_select(meets, arm_y, zero);
     place->projected = lanes_or(meets, lanes_and_not(place->projected, above));
-    // A line slips off the circle where it is a radius above the centre, or behind it.
-    const struct lanes arc = lanes_min(lanes_add(lanes_set(radius), height), arm_x);
-    place->edge = lanes_select(above, arc, kernel_margin(problem, face));
 }
 
 LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *problem,
@@ -276,6 +289,7 @@ LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *p
     place.normal_x = lanes_set(1.0);
     place.normal_y = lanes_set(0.0);
     place.edge = place.projection;
+    place.slip = place.place;
     if (features.rounded) {
         kernel_round_edge(problem, spring, at, pose, &place);
         place.projected = lanes_and(place.projected, pose->forwards);
@@ -419,12 +433,52 @@ LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *
     return step;
 }
 
+// The deformation at which a spring left the face at that share of the step: what lies between the
+// two times, or for a rounded edge what the line's own place says.
+LANES_INLINE struct lanes kernel_left_at(struct problem_features features,
+                                         const struct problem_spring *spring, uint32_t number,
+                                         const struct kernel_event *event,
+                                         const struct kernel_step *step)
+{
+    struct lanes before = step->before;
+    struct lanes now = step->deformation;
+    if (features.rounded) {
+        const struct lanes reach = lanes_set(spring->reach);
+        before = lanes_add(reach, lanes_load(event->slip[(number + 1) % 2]));
+        now = lanes_add(reach, lanes_load(event->slip[number % 2]));
+    }
+    return lanes_fma(step->slip, lanes_sub(now, before), before);
+}
+
 // Notes a deformation of a spring where it is in contact.
 LANES_INLINE void kernel_deepen(struct kernel_spring *kept, struct lanes_mask contact,
                                 struct lanes deformation)
 {
     const struct lanes deepest = lanes_load(kept->deepest);
     lanes_store(kept->deepest, lanes_select(contact, lanes_max(deformation, deepest), deepest));
+}
+
+// Where a spring slipped off the rounded edge within the step that ends now, at which deformation;
+// remembers what the next step is held against. This is for the schemes that look at whole steps
+// only, which would lose up to a step's way and, close to the tangent, the root of it.
+LANES_INLINE struct lanes_mask kernel_slipped(const struct problem_spring *spring, uint32_t number,
+                                              const struct kernel_place *place,
+                                              struct lanes_mask contact, struct kernel_event *event,
+                                              struct lanes *left_at)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    const struct lanes edge_before = lanes_load(event->edge[before]);
+    const struct lanes slip_before = lanes_load(event->slip[before]);
+    const struct lanes share = kernel_crossing(edge_before, place->edge);
+    const struct lanes slip = lanes_fma(share, lanes_sub(place->slip, slip_before), slip_before);
+    const struct lanes_mask left =
+        lanes_and_not(lanes_and_less(event->contact[before], place->edge, lanes_set(0.0)), contact);
+    *left_at = lanes_add(lanes_set(spring->reach), slip);
+    lanes_store(event->edge[now], place->edge);
+    lanes_store(event->slip[now], place->slip);
+    event->contact[now] = contact;
+    return left;
 }
 
 // Finds what began and ended within the step that ends now and makes it good in the springs'
@@ -476,8 +530,7 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
         if (parted) {
             const struct lanes_mask left =
                 lanes_and_not(lanes_and(event->contact[before], step.outside), event->contact[now]);
-            const struct lanes left_at =
-                lanes_fma(step.slip, lanes_sub(step.deformation, step.before), step.before);
+            const struct lanes left_at = kernel_left_at(features, spring, number, event, &step);
             if (i == 0) {
                 scratch->left = left;
                 lanes_store(scratch->left_at, left_at);
@@ -504,6 +557,9 @@ LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features feature
     const uint32_t now = number % 2;
     const uint32_t before = 1 - now;
     lanes_store(event->edge[now], place->edge);
+    if (features.rounded) {
+        lanes_store(event->slip[now], place->slip);
+    }
     struct lanes_mask other = lanes_differ(event->loads[before], loads);
     event->loads[now] = loads;
     if (features.unload) {
@@ -534,8 +590,8 @@ LANES_INLINE void kernel_start_events(const struct kinematics_problem *problem,
 // Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
 // loading from the deformation of the step before. `settled` says that this is a time of the
 // trajectory, not a Runge-Kutta stage on the way: only then is the deformation remembered.
-// For event Verlet `number` is the step that ends now and `weight` the part of a step over which
-// the forces act, 0 at time 0.
+// `number` is the step that ends now and `weight` the part of a step over which the forces act, for
+// event Verlet 0 at time 0.
 LANES_INLINE struct kernel_load
 kernel_forces(const struct kinematics_problem *problem, struct problem_features features,
               const struct kernel_motion *at, const struct kernel_pose *pose,
@@ -625,6 +681,18 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
             load.first_contact = contact;
             load.first_deformation = s;
             load.first_projection = place.projection;
+        }
+        if (features.rounded && !features.events && settled) {
+            struct lanes left_at;
+            const struct lanes_mask left =
+                kernel_slipped(spring, number, &place, contact, &kept->event, &left_at);
+            if (features.deepest) {
+                kernel_deepen(kept, left, left_at);
+            }
+            if (i == 0) {
+                load.first_contact = lanes_or(contact, left);
+                load.first_deformation = lanes_select(left, left_at, s);
+            }
         }
     }
     load.moment = lanes_sub(moment_y, moment_x);
@@ -872,7 +940,7 @@ kernel_runge_kutta(const struct kinematics_problem *problem, struct problem_feat
     for (uint32_t step = 0;; step++) {
         *pose = kernel_pose(at);
         const struct kernel_load load = kernel_forces(problem, features, at, pose, velocity, true,
-                                                      0, 1.0, rows != NULL, scratch);
+                                                      step, 1.0, rows != NULL, scratch);
         kernel_observe(pose, &load, observed);
         if (rows != NULL) {
             kernel_record(problem, features, step, at, velocity, 1.0, scratch, rows);
@@ -995,6 +1063,9 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
         lanes_store(scratch->springs[i].reference, lanes_set(-INFINITY));
         if (features.events) {
             lanes_store(scratch->springs[i].event.deformation[2], lanes_set(-INFINITY));
+        }
+        if (features.rounded) {
+            scratch->springs[i].event.contact[1] = lanes_none(); // before time 0 nothing touches
         }
         lanes_store(scratch->springs[i].work, zero);
         lanes_store(scratch->springs[i].deepest, zero);

@@ -96,7 +96,10 @@ struct kinematics_problem;
 // What one design did. "The end" is the last of round(duration / time_step) steps. All of a
 // design's results are NaN when its motion left the finite numbers.
 enum kinematics_result {
-    KINEMATICS_LENGTH_LAST,       // [m] of spring 0 when it was last in contact, else undeformed
+    // [m] of spring 0 when it was last in contact, else undeformed. Event Verlet, and all schemes
+    // on
+    // a rounded edge, find the moment within the step at which it slipped off.
+    KINEMATICS_LENGTH_LAST,
     KINEMATICS_LENGTH_MIN,        // [m] least of spring 0 in contact, else undeformed
     KINEMATICS_PILLAR_TRAVEL,     // [m] y of spring 0's P1 at the end, from its start
     KINEMATICS_PROJECTION_TRAVEL, // [m] y of spring 0's P2 at the end, from its start; where a line

@@ -85,7 +85,8 @@ struct kinematics_problem *kinematics_create(const struct kinematics_setup *setu
     problem->time_step = setup->time_step;
     problem->step_count = (uint32_t)steps;
     problem->integrator = setup->integrator;
-    problem->features.rounded = setup->profile == KINEMATICS_PROFILE_ROUNDED;
+    problem->features.rounded =
+        setup->profile == KINEMATICS_PROFILE_ROUNDED && setup->edge_radius > 0.0;
     problem->features.crushed = setup->reloading == KINEMATICS_RELOADING_CRUSHED;
     problem->features.work = !setup->omitted.energies;
     problem->features.deepest = !setup->omitted.deformations;
