@@ -1,0 +1,276 @@
+// Event Verlet: what happens within a step.
+//
+// The other schemes look at a spring at whole steps only: one that lets go within a step has acted
+// for half a step after the last time it was seen to act, whenever it really let go. On average
+// that is right, for one crash it is an error of first order. Here the moment is found, by the
+// straight line between the two times of whatever began or ended the force, and what the spring did
+// up to then, or from then on, is made good at the time after: too late by part of a step, which is
+// an error of second order.
+//
+// Not so the moment at which a spring begins to load again. Of a car that stands still, rounding
+// decides whether it does; then nothing may be made good, or the car would be thrown by it.
+#ifndef SOBOX_WORKER_KINEMATICS_KERNEL_EVENTS_H
+#define SOBOX_WORKER_KINEMATICS_KERNEL_EVENTS_H
+
+#include "worker/kinematics/kernel_state.h"
+
+// What one spring's branches have to know of the step that ends now.
+struct kernel_step {
+    struct lanes deformation; // [m] now
+    struct lanes before;      // [m] at the time before
+    struct lanes slip;        // share of the step at which it met or left the face
+    struct lanes_mask outside_before, outside;
+    struct lanes turn; // at which it ceased to load; may lie half a step before the time before
+    struct lanes_mask loads, turned, again; // loads now, loaded before and ceased to, began to
+};
+
+// a / (a - b): where the line from a to b is 0.
+LANES_INLINE struct lanes kernel_crossing(struct lanes a, struct lanes b)
+{
+    return lanes_div(a, lanes_sub(a, b));
+}
+
+// Adds to x and y what a branch that began or ceased to act within the step did there, beside the
+// half steps that count anyway. Where `was` and `is` are equal nothing is added.
+LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
+                                   const struct problem_curve *curve, const double *coefficients,
+                                   const struct kernel_step *step, bool loading,
+                                   struct lanes_mask was, struct lanes_mask is, struct lanes weight,
+                                   struct lanes *x, struct lanes *y)
+{
+    const struct lanes_mask began = lanes_and_not(is, was);
+    const struct lanes_mask ended = lanes_and_not(was, is);
+    const struct lanes_mask changed = lanes_and_not(lanes_or(began, ended), step->again);
+    if (!lanes_any(changed)) {
+        return;
+    }
+    const struct lanes one = lanes_set(1.0);
+    const struct lanes half = lanes_set(0.5);
+    const struct lanes start = lanes_set(curve->acts_above);
+    const struct lanes_mask all = lanes_less(lanes_set(0.0), one);
+    const struct lanes_mask short_before = lanes_and_not_above(all, step->before, start);
+    const struct lanes_mask short_now = lanes_and_not_above(all, step->deformation, start);
+    const struct lanes reach =
+        kernel_crossing(lanes_sub(step->before, start), lanes_sub(step->deformation, start));
+    // It ends with the first thing that forbids it and begins once nothing does any more.
+    struct lanes end = one;
+    end = lanes_select(step->outside, lanes_min(step->slip, end), end);
+    end = lanes_select(short_now, lanes_min(reach, end), end);
+    if (loading) {
+        end = lanes_select(step->loads, end, lanes_min(step->turn, end));
+    }
+    struct lanes begin = lanes_set(-0.5);
+    begin = lanes_select(step->outside_before, lanes_max(step->slip, begin), begin);
+    begin = lanes_select(short_before, lanes_max(reach, begin), begin);
+    if (!loading) {
+        begin = lanes_select(step->turned, lanes_max(step->turn, begin), begin);
+    }
+
+    const struct lanes moment = lanes_select(ended, end, begin);
+    const struct lanes share = lanes_select(ended, moment, lanes_sub(one, moment));
+    const struct lanes near = lanes_select(ended, step->before, step->deformation);
+    const struct lanes there =
+        lanes_fma(moment, lanes_sub(step->deformation, step->before), step->before);
+    struct lanes near_x, near_y, there_x, there_y;
+    kernel_curve(problem, curve, coefficients, near, changed, &near_x, &near_y);
+    kernel_curve(problem, curve, coefficients, there, changed, &there_x, &there_y);
+    // The mean force over its share of the step, less the half step that counts anyway.
+    const struct lanes scale = lanes_mul(half, weight);
+    const struct lanes more_x =
+        lanes_mul(scale, lanes_fms(share, lanes_add(near_x, there_x), near_x));
+    const struct lanes more_y =
+        lanes_mul(scale, lanes_fms(share, lanes_add(near_y, there_y), near_y));
+    *x = lanes_add(*x, lanes_keep(changed, more_x));
+    *y = lanes_add(*y, lanes_keep(changed, more_y));
+}
+
+// The step of one spring, from what was kept of it.
+LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *problem,
+                                               struct problem_features features, uint32_t number,
+                                               const struct kernel_event *event)
+{
+    const uint32_t now = number % 3;
+    const uint32_t before = (number + 2) % 3;
+    const uint32_t earlier = (number + 1) % 3;
+    const struct lanes zero = lanes_set(0.0);
+    struct kernel_step step;
+    step.deformation = lanes_load(event->deformation[now]);
+    step.before = lanes_load(event->deformation[before]);
+    const struct lanes growth = lanes_sub(step.deformation, step.before);
+    const struct lanes growth_before =
+        lanes_sub(step.before, lanes_load(event->deformation[earlier]));
+    const struct lanes margin =
+        kernel_edge_margin(problem, features, lanes_load(event->edge[number % 2]));
+    const struct lanes margin_before =
+        kernel_edge_margin(problem, features, lanes_load(event->edge[(number + 1) % 2]));
+    step.slip = kernel_crossing(margin_before, margin);
+    step.outside_before = lanes_less(margin_before, zero);
+    step.outside = lanes_less(margin, zero);
+    step.turn = lanes_sub(kernel_crossing(growth_before, growth), lanes_set(0.5));
+    step.loads = lanes_less(step.before, step.deformation);
+    struct lanes_mask loaded = lanes_less(zero, growth_before);
+    if (features.crushed) {
+        const struct lanes reference = lanes_load(event->reference);
+        step.loads = lanes_less(reference, step.deformation);
+        loaded = lanes_and_not(loaded, lanes_less(step.before, reference));
+    }
+    step.turned = lanes_and_not(loaded, step.loads);
+    step.again = lanes_and_not(step.loads, loaded);
+    return step;
+}
+
+// The deformation at which a spring left the face at that share of the step: what lies between the
+// two times, or for a rounded edge what the line's own place says.
+LANES_INLINE struct lanes kernel_left_at(struct problem_features features,
+                                         const struct problem_spring *spring, uint32_t number,
+                                         const struct kernel_event *event,
+                                         const struct kernel_step *step)
+{
+    struct lanes before = step->before;
+    struct lanes now = step->deformation;
+    if (features.rounded) {
+        const struct lanes reach = lanes_set(spring->reach);
+        before = lanes_add(reach, lanes_load(event->slip[(number + 1) % 2]));
+        now = lanes_add(reach, lanes_load(event->slip[number % 2]));
+    }
+    return lanes_fma(step->slip, lanes_sub(now, before), before);
+}
+
+// Notes a deformation of a spring where it is in contact.
+LANES_INLINE void kernel_deepen(struct kernel_spring *kept, struct lanes_mask contact,
+                                struct lanes deformation)
+{
+    const struct lanes deepest = lanes_load(kept->deepest);
+    lanes_store(kept->deepest, lanes_select(contact, lanes_max(deformation, deepest), deepest));
+}
+
+// Where a spring slipped off the rounded edge within the step that ends now, at which deformation;
+// remembers what the next step is held against. This is for the schemes that look at whole steps
+// only, which would lose up to a step's way and, close to the tangent, the root of it.
+LANES_INLINE struct lanes_mask kernel_slipped(const struct problem_spring *spring, uint32_t number,
+                                              const struct kernel_place *place,
+                                              struct lanes_mask contact, struct kernel_event *event,
+                                              struct lanes *left_at)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    const struct lanes edge_before = lanes_load(event->edge[before]);
+    const struct lanes slip_before = lanes_load(event->slip[before]);
+    const struct lanes share = kernel_crossing(edge_before, place->edge);
+    const struct lanes slip = lanes_fma(share, lanes_sub(place->slip, slip_before), slip_before);
+    const struct lanes_mask left =
+        lanes_and_not(lanes_and_less(event->contact[before], place->edge, lanes_set(0.0)), contact);
+    *left_at = lanes_add(lanes_set(spring->reach), slip);
+    lanes_store(event->edge[now], place->edge);
+    lanes_store(event->slip[now], place->slip);
+    event->contact[now] = contact;
+    return left;
+}
+
+// Finds what began and ended within the step that ends now and makes it good in the springs'
+// forces. Where spring 0 left the face, `left` is set and `left_at` is the deformation at which it
+// did. Most bundles see nothing of that in most steps, so this is called when one does, and stands
+// by itself: the machine's registers belong to the loop over springs.
+static __attribute__((noinline)) void kernel_find_events(const struct kinematics_problem *problem,
+                                                         struct problem_features features,
+                                                         uint32_t number, double weight,
+                                                         struct kernel_scratch *scratch)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    const struct lanes zero = lanes_set(0.0);
+    const struct lanes inverse = lanes_set(1.0 / weight);
+    struct lanes sum_x = zero;
+    struct lanes sum_y = zero;
+    struct lanes moment = zero;
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const struct problem_spring *spring = &problem->springs[i];
+        struct kernel_spring *kept = &scratch->springs[i];
+        const struct kernel_event *event = &scratch->springs[i].event;
+        const bool unload = features.unload && spring->unload.point_count > 0;
+        const bool other = lanes_any(lanes_differ(event->loads[before], event->loads[now])) ||
+                           (unload && lanes_any(lanes_differ(event->unloads[before], //
+                                                             event->unloads[now])));
+        const bool parted = (i == 0 || features.deepest) &&
+                            lanes_any(lanes_and_not(event->contact[before], event->contact[now]));
+        if (!other && !parted) {
+            continue;
+        }
+        const struct kernel_step step = kernel_step_of(problem, features, number, event);
+        struct lanes x = zero;
+        struct lanes y = zero;
+        kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true,
+                         event->loads[before], event->loads[now], inverse, &x, &y);
+        if (unload) {
+            kernel_make_good(problem, &spring->unload, scratch->coefficients, &step, false,
+                             event->unloads[before], event->unloads[now], inverse, &x, &y);
+        }
+        if (features.work) {
+            lanes_store(kept->force_x, lanes_add(lanes_load(kept->force_x), x));
+            lanes_store(kept->force_y, lanes_add(lanes_load(kept->force_y), y));
+        }
+        sum_x = lanes_add(sum_x, x);
+        sum_y = lanes_add(sum_y, y);
+        moment = lanes_fma(lanes_load(kept->place), y, moment);
+        moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
+        if (parted) {
+            const struct lanes_mask left =
+                lanes_and_not(lanes_and(event->contact[before], step.outside), event->contact[now]);
+            const struct lanes left_at = kernel_left_at(features, spring, number, event, &step);
+            if (i == 0) {
+                scratch->left = left;
+                lanes_store(scratch->left_at, left_at);
+            }
+            if (features.deepest) {
+                kernel_deepen(kept, left, left_at);
+            }
+        }
+    }
+    lanes_store(scratch->made_good[0], sum_x);
+    lanes_store(scratch->made_good[1], sum_y);
+    lanes_store(scratch->made_good[2], moment);
+}
+
+// Remembers of one spring what the next step is held against. Returns where it began or ceased to
+// act within the step that ends now, and for spring 0, or all whose greatest deformation is wanted,
+// where it began or ceased to touch.
+LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features features, uint32_t index,
+                                                 uint32_t number, const struct kernel_place *place,
+                                                 struct lanes reference, struct lanes_mask contact,
+                                                 struct lanes_mask loads, struct lanes_mask unloads,
+                                                 struct kernel_event *event)
+{
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
+    lanes_store(event->edge[now], place->edge);
+    if (features.rounded) {
+        lanes_store(event->slip[now], place->slip);
+    }
+    struct lanes_mask other = lanes_differ(event->loads[before], loads);
+    event->loads[now] = loads;
+    if (features.unload) {
+        other = lanes_or(other, lanes_differ(event->unloads[before], unloads));
+        event->unloads[now] = unloads;
+    }
+    if (features.crushed) {
+        lanes_store(event->reference, reference);
+    }
+    if (index == 0 || features.deepest) {
+        other = lanes_or(other, lanes_differ(event->contact[before], contact));
+        event->contact[now] = contact;
+    }
+    return other;
+}
+
+// Makes the first step of a bundle one in which nothing happened: the car came towards the barrier.
+LANES_INLINE void kernel_start_events(const struct kinematics_problem *problem,
+                                      struct kernel_scratch *scratch)
+{
+    const struct lanes way = lanes_set(problem->speed * problem->time_step);
+    for (uint32_t i = 0; i < problem->spring_count; i++) {
+        struct kernel_event *event = &scratch->springs[i].event;
+        lanes_store(event->deformation[2], lanes_sub(lanes_load(event->deformation[0]), way));
+    }
+}
+
+#endif
