@@ -25,12 +25,12 @@ except ImportError as missing:
 
 WORKERS = 2
 ROUNDS = 5
-S_L, AB_WP = 0, 1
+S_L_MIN, AB_WP = 0, 1
 
 
 @numba.njit(fastmath=True, nogil=True)
 def crash(values, setup, places, lengths, deformation, outcomes):
-    """values: (designs, springs, 2, points) [N]; outcomes: (designs, 2) s_L, AbWP."""
+    """values: (designs, springs, 2, points) [N]; outcomes: (designs, 2) s_L_min, AbWP."""
     mass, inertia, speed, face_x, edge_y, width, overlap, duration, dt = setup
     steps = int(round(duration / dt))
     springs, points = deformation.shape
@@ -38,7 +38,7 @@ def crash(values, setup, places, lengths, deformation, outcomes):
     for d in range(values.shape[0]):
         x0 = y0 = w0 = 0.0
         x1, y1, w1 = -speed * dt, 0.0, 0.0
-        last_length, last_y2 = lengths[0], 0.0
+        least_length, last_y2 = lengths[0], 0.0
         start_y2 = places[0, 1]
         for k in range(springs):
             before[k] = lengths[k] - (places[k, 0] - face_x)
@@ -55,7 +55,7 @@ def crash(values, setup, places, lengths, deformation, outcomes):
                 if k == 0:
                     last_y2 = y2
                     if touches:
-                        last_length = length
+                        least_length = min(least_length, length)
                 fx = fy = 0.0
                 if touches and crush > before[k] and crush >= deformation[k, 0]:
                     i = points - 1
@@ -78,7 +78,7 @@ def crash(values, setup, places, lengths, deformation, outcomes):
             x0, x1 = x1, force_x / mass * dt * dt + 2 * x1 - x0
             y0, y1 = y1, force_y / mass * dt * dt + 2 * y1 - y0
             w0, w1 = w1, moment / inertia * dt * dt + 2 * w1 - w0
-        outcomes[d, S_L] = last_length
+        outcomes[d, S_L_MIN] = least_length
         outcomes[d, AB_WP] = (last_y2 - start_y2) / overlap
 
 
@@ -90,10 +90,11 @@ class Crash:
             scenario = yaml.safe_load(file)
         number = lambda value: float(value)  # YAML 1.1 takes 450e3 for a word
         vehicle, barrier, springs = scenario["vehicle"], scenario["barrier"], scenario["springs"]
+        reach = number(barrier["edge_y"]) - number(springs[0]["position"][1])
         self.setup = (number(vehicle["mass"]), number(vehicle["yaw_inertia"]),
                       number(vehicle["speed"]), number(barrier["face_x"]),
                       number(barrier["edge_y"]), number(barrier.get("width", 1.15)),
-                      number(barrier["overlap"]), 0.150, 1e-3)
+                      number(barrier.get("overlap", reach)), 0.150, 1e-3)
         self.places = np.array([[number(x) for x in spring["position"]] for spring in springs])
         self.lengths = np.array([number(spring.get("length", place[0] - self.setup[3]))
                                  for spring, place in zip(springs, self.places)])
@@ -116,7 +117,7 @@ def sample_crash(problem, seed, count):
     values = bounds[0] + (bounds[1] - bounds[0]) * random.random((count, *bounds.shape[1:]))
     outcomes = np.empty((count, 2))
     crash(values, setup, places, lengths, deformation, outcomes)
-    return np.maximum(firewall - outcomes[:, S_L], 0).astype(np.float32)
+    return np.maximum(firewall - outcomes[:, S_L_MIN], 0).astype(np.float32)
 
 
 @numba.njit(fastmath=True, nogil=True)
