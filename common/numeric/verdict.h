@@ -20,13 +20,16 @@ enum {
 struct verdict {
     uint16_t violation; // VERDICT_GOOD, or 1..VERDICT_NON_FINITE: greater is worse
     uint8_t constraint; // index of the worst violated constraint; 0 where good
+    float margin;       // with VERDICT_DETAIL_MARGIN: how far inside its bound, in the constraint's
+                        // own scale, the outcome lies that was asked for; below 0 outside
 };
 
 // How much of each verdict travels.
 enum verdict_detail {
-    VERDICT_DETAIL_FULL,  // good or bad, constraint and violation: for trimming
-    VERDICT_DETAIL_SHARE, // good or bad only: for certificates; bad ones unpack as constraint 0,
-                          // violation 1
+    VERDICT_DETAIL_FULL,   // good or bad, constraint and violation: for trimming
+    VERDICT_DETAIL_SHARE,  // good or bad only: for certificates; bad ones unpack as constraint 0,
+                           // violation 1
+    VERDICT_DETAIL_MARGIN, // as in full, and the margin of each sample: for adversarial search
     VERDICT_DETAIL_COUNT
 };
 
@@ -42,15 +45,17 @@ double verdict_relative(uint16_t violation);
 size_t verdict_packed_size_max(uint32_t count, enum verdict_detail detail);
 
 // Packs `count` verdicts: a bit a sample (1 is good, sample 0 in the lowest bit of byte 0, unused
-// bits 0), then with VERDICT_DETAIL_FULL for each bad one in order its constraint (1 byte) and its
-// violation (2 bytes, low first). Returns the bytes written to `packed`, which has room for
+// bits 0), then with VERDICT_DETAIL_MARGIN the margin of each (4 bytes, an IEEE single, low first),
+// then with it and with VERDICT_DETAIL_FULL for each bad one in order its constraint (1 byte) and
+// its violation (2 bytes, low first). Returns the bytes written to `packed`, which has room for
 // verdict_packed_size_max().
 size_t verdict_pack(const struct verdict *verdicts, uint32_t count, enum verdict_detail detail,
                     uint8_t *packed);
 
 // The inverse. Returns false, with `verdicts` (count) untouched, when `packed` is not exactly what
 // verdict_pack() writes for `count` verdicts: wrong size, set unused bits, a constraint not below
-// `constraint_count`, a bad one with VERDICT_GOOD. It trusts nothing it is given.
+// `constraint_count`, a bad one with VERDICT_GOOD, a margin that is no number. It trusts nothing it
+// is given.
 bool verdict_unpack(struct verdict *verdicts, uint32_t count, enum verdict_detail detail,
                     uint32_t constraint_count, const uint8_t *packed, size_t packed_size);
 

@@ -92,6 +92,16 @@ const char *protocol_kind_name(enum design_kind kind)
     return names[kind];
 }
 
+const char *protocol_promise_name(enum promise promise)
+{
+    static const char *const names[] = {
+        [PROMISE_POINTS] = "points",
+        [PROMISE_CURVES] = "curves",
+        [PROMISE_EVERY] = "every",
+    };
+    return names[promise];
+}
+
 enum sampling_method protocol_kind_method(enum design_kind kind)
 {
     static const enum sampling_method methods[] = {

@@ -58,7 +58,8 @@ enum search_status {
 };
 
 // How the samples of a step are drawn (sample_batch_t, step_status_t). The first three draw every
-// variable on its own; the others draw the levels at which whole curves stand in their corridors.
+// variable on its own, the next three the levels at which whole curves stand in their corridors,
+// and the last one is told which designs to move.
 enum sampling_method {
     SAMPLING_METHOD_UNIFORM,
     SAMPLING_METHOD_LATIN_HYPERCUBE,
@@ -66,6 +67,7 @@ enum sampling_method {
     SAMPLING_METHOD_CURVES,   // every curve at a level of its own
     SAMPLING_METHOD_LEVELS,   // one level for all curves of a direction
     SAMPLING_METHOD_EXTREMES, // every curve at its lower bound, its upper bound or a level
+    SAMPLING_METHOD_MOVES,    // given attacks and their neighbours (common/sampling/moves.h)
 };
 
 // The kinds of designs that a box is judged by.
@@ -76,6 +78,13 @@ enum design_kind {
     DESIGN_KIND_EXTREMES, // every curve at its lower bound, its upper bound, or one level
 };
 
+// Which designs of a box must be good (design.md section 4).
+enum promise {
+    PROMISE_POINTS, // the wanted share of independent points
+    PROMISE_CURVES, // that share of each kind of designs
+    PROMISE_EVERY,  // and no bad design that an adversarial search finds
+};
+
 // How many values each of these has: apart from them, so that no switch need name a count.
 enum {
     RUN_STATE_COUNT = RUN_STATE_FAILED + 1,
@@ -83,7 +92,8 @@ enum {
     SEARCH_PHASE_COUNT = SEARCH_PHASE_DONE + 1,
     SEARCH_STATUS_COUNT = SEARCH_STATUS_NO_GOOD_DESIGN + 1,
     DESIGN_KIND_COUNT = DESIGN_KIND_EXTREMES + 1,
-    SAMPLING_METHOD_COUNT = SAMPLING_METHOD_EXTREMES + 1,
+    PROMISE_COUNT = PROMISE_EVERY + 1,
+    SAMPLING_METHOD_COUNT = SAMPLING_METHOD_MOVES + 1,
 };
 
 // What identifies a batch everywhere (batch_t). An outcome carries the identity of its batch, and
@@ -106,6 +116,8 @@ const char *protocol_phase_name(enum search_phase phase);
 const char *protocol_status_name(enum search_status status);
 
 const char *protocol_kind_name(enum design_kind kind); // "points", "curves", ...
+
+const char *protocol_promise_name(enum promise promise); // "points", "curves", "every"
 
 // How independent designs of a kind are drawn.
 enum sampling_method protocol_kind_method(enum design_kind kind);

@@ -111,7 +111,9 @@ static void pick_curves(const struct sampling *sampling, const struct box *box,
 static void pick(const struct sampling *sampling, const struct box *box, const uint32_t *index,
                  uint32_t count, double *values, size_t stride)
 {
-    if (sampling_of_curves(sampling->method))
+    if (sampling->method == SAMPLING_METHOD_MOVES)
+        moves_fill(sampling, box, index, count, values, stride);
+    else if (sampling_of_curves(sampling->method))
         pick_curves(sampling, box, index, count, values, stride);
     else
         pick_block(sampling, box, index, count, values, stride);

@@ -8,6 +8,7 @@
 #include "common/numeric/box.h"
 #include "common/numeric/curve_map.h"
 #include "common/protocol/protocol.h"
+#include "common/sampling/moves.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,13 +20,21 @@ struct sampling {
     uint32_t samples; // of the whole step: a Latin hypercube has that many strata
     enum sampling_method method;
     const struct curve_map
-        *curves; // borrowed; of the methods that draw levels of curves, else unused
+        *curves; // borrowed; of the methods that draw levels of curves and of moves, else unused
+    const struct moves *moves; // borrowed; of SAMPLING_METHOD_MOVES, else unused
 };
+
+// Whether a method's samples can be made again by whoever knows the box and no more: each variable
+// on its own.
+static inline bool sampling_of_points(enum sampling_method method)
+{
+    return method <= SAMPLING_METHOD_SOBOL;
+}
 
 // Whether a method draws levels of whole curves.
 static inline bool sampling_of_curves(enum sampling_method method)
 {
-    return method >= SAMPLING_METHOD_CURVES;
+    return method >= SAMPLING_METHOD_CURVES && method <= SAMPLING_METHOD_EXTREMES;
 }
 
 // Fills in samples first .. first + count - 1: values[variable * stride + i] belongs to sample

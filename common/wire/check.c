@@ -19,7 +19,7 @@ enum {
 
 // The sizes restate what the .lcm files say; check_test holds them against the generated encoders.
 static const struct check_kind kinds[WIRE_KIND_COUNT] = {
-    [WIRE_SAMPLE_BATCH] = {"SOBOX_BATCH", 0, 114, 8, COUNT_MAX(114, 8)},
+    [WIRE_SAMPLE_BATCH] = {"SOBOX_BATCH", 0, 118, 1, COUNT_MAX(118, 1)},
     [WIRE_TEXT] = {"SOBOX_TEXT", 0, 60, 1, COUNT_MAX(60, 1)},
     [WIRE_OUTCOME_BATCH] = {"SOBOX_OUTCOME", 1, 77, 1, COUNT_MAX(77, 1)},
     [WIRE_TEXT_REQUEST] = {"SOBOX_TEXT_REQUEST", 1, 52, 0, 0},
@@ -122,8 +122,9 @@ static bool sample_batch_ok(const sobox_sample_batch_t *m)
     return m->holder != 0 && batch_ok(&m->batch) &&
            m->step_samples >= (int64_t)m->batch.first + (int64_t)m->batch.count &&
            m->sampling >= 0 && m->sampling < SAMPLING_METHOD_COUNT && m->detail >= 0 &&
-           m->detail < VERDICT_DETAIL_COUNT &&
-           bounds_ok(m->bounds, m->bound_count, kinds[WIRE_SAMPLE_BATCH].count_max);
+           m->detail < VERDICT_DETAIL_COUNT && m->variables >= 1 &&
+           m->variables <= PROTOCOL_VARIABLE_MAX && m->text_size >= 0 &&
+           m->text_size <= kinds[WIRE_SAMPLE_BATCH].count_max;
 }
 
 static bool outcome_batch_ok(const sobox_outcome_batch_t *m)

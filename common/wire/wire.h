@@ -32,7 +32,7 @@
 #include <stdint.h>
 
 enum {
-    WIRE_PROTOCOL = 3,       // version of the messages and their meaning
+    WIRE_PROTOCOL = 4,       // version of the messages and their meaning
     WIRE_MTU_DEFAULT = 1400, // [bytes] a message with its tag fits one Ethernet frame
     WIRE_MTU_MAX = 60000,    // [bytes] above this LCM would fragment
     WIRE_PORT_COUNT = 3,

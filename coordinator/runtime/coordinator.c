@@ -41,7 +41,6 @@ static void send_batch(void *user, uint64_t worker, const struct batch_identity 
     struct coordinator *coordinator = user;
     const struct run_search *search = coordinator->run->open[batch->search];
     const struct search_request *request = &search->request;
-    const uint32_t variables = search->scenario.design_space.count;
     sobox_sample_batch_t message = {
         .header.run = (int64_t)coordinator->run->record.id,
         .holder = (int64_t)worker,
@@ -50,13 +49,13 @@ static void send_batch(void *user, uint64_t worker, const struct batch_identity 
         .step_samples = (int32_t)request->sampling.samples,
         .sampling = (int8_t)request->sampling.method,
         .detail = (int8_t)request->detail,
+        .variables = (int32_t)search->sampled.count,
     };
     memcpy(message.scenario, search->scenario.digest.bytes, DIGEST_SIZE);
     memcpy(message.box, search->box.bytes, DIGEST_SIZE);
-    const size_t bounds_size = 2 * (size_t)variables * sizeof(double);
-    if (bounds_size <= wire_payload_max(coordinator->wire, WIRE_SAMPLE_BATCH)) {
-        message.bound_count = (int32_t)(2 * variables);
-        message.bounds = search->bounds;
+    if (search->text->len <= wire_payload_max(coordinator->wire, WIRE_SAMPLE_BATCH)) {
+        message.text_size = (int32_t)search->text->len;
+        message.text = search->text->data;
     }
     // A message that LCM cannot send is a message lost: the lease brings the batch back.
     (void)!wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message);
@@ -109,10 +108,9 @@ static enum status go_on(struct coordinator *coordinator, uint32_t index)
         leave(coordinator, index);
         return STATUS_OK;
     }
-    texts_add(crew_texts(coordinator->crew), &search->box, search->bounds,
-              2 * (size_t)search->scenario.design_space.count * sizeof(double));
+    texts_add(crew_texts(coordinator->crew), &search->box, search->text->data, search->text->len);
     crew_step(coordinator->crew, index, search->request.sampling.step,
-              search->request.sampling.samples, search->request.detail == VERDICT_DETAIL_SHARE);
+              search->request.sampling.samples, search->request.detail);
     return STATUS_OK;
 }
 
@@ -309,14 +307,12 @@ static struct schedule_settings schedule_settings(struct wire *wire)
 {
     struct schedule_settings settings = schedule_settings_default();
     const size_t payload = wire_payload_max(wire, WIRE_OUTCOME_BATCH);
-    uint32_t samples = PROTOCOL_BATCH_SAMPLES_MAX;
-    while (verdict_packed_size_max(samples, VERDICT_DETAIL_FULL) > payload)
-        samples -= samples / 16 + 1;
-    settings.batch_samples_max = samples;
-    samples = PROTOCOL_BATCH_SAMPLES_MAX;
-    while (verdict_packed_size_max(samples, VERDICT_DETAIL_SHARE) > payload)
-        samples -= samples / 16 + 1;
-    settings.batch_verdicts_max = samples;
+    for (int detail = 0; detail < VERDICT_DETAIL_COUNT; detail++) {
+        uint32_t samples = PROTOCOL_BATCH_SAMPLES_MAX;
+        while (verdict_packed_size_max(samples, (enum verdict_detail)detail) > payload)
+            samples -= samples / 16 + 1;
+        settings.batch_samples_max[detail] = samples;
+    }
     return settings;
 }
 

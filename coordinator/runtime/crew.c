@@ -107,13 +107,13 @@ static void tell_finished(struct crew *crew)
     g_array_set_size(crew->finished, 0);
 }
 
-void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples, bool share_only)
+void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples,
+               enum verdict_detail detail)
 {
-    schedule_take(crew, &(struct schedule_event){.kind = SCHEDULE_EVENT_STEP,
-                                                 .step = {.search = search,
-                                                          .step = step,
-                                                          .samples = samples,
-                                                          .share_only = share_only}});
+    schedule_take(
+        crew, &(struct schedule_event){
+                  .kind = SCHEDULE_EVENT_STEP,
+                  .step = {.search = search, .step = step, .samples = samples, .detail = detail}});
 }
 
 void crew_outcome(struct crew *crew, uint64_t worker, const struct batch_identity *batch,

@@ -42,9 +42,9 @@ void crew_free(struct crew *crew);
 // The texts that workers may ask for, for the user to offer.
 struct texts *crew_texts(struct crew *crew);
 
-// Samples that are to be evaluated; share_only as the schedule has it.
+// Samples that are to be evaluated; with this detail of verdicts.
 void crew_step(struct crew *crew, uint32_t search, uint32_t step, uint32_t samples,
-               bool share_only);
+               enum verdict_detail detail);
 
 // An outcome has been heard and is well-formed: `worker` is its sender.
 void crew_outcome(struct crew *crew, uint64_t worker, const struct batch_identity *batch,

@@ -524,7 +524,8 @@ enum status evaluate_run(struct evaluate *evaluate, struct wire *wire,
     work->shown_rows = evaluation->rows;
     work->error = error;
     struct schedule_settings schedule = schedule_settings_default();
-    enum status status = batch_designs(work, &schedule.batch_samples_max, error);
+    enum status status =
+        batch_designs(work, &schedule.batch_samples_max[VERDICT_DETAIL_FULL], error);
     if (status == STATUS_OK)
         status =
             crew_create(&work->crew, wire, work->run, settings, &schedule, &calls, work, error);

@@ -49,7 +49,8 @@ static void probe(const struct scenario *scenario, struct measurement *measureme
     int64_t now_ns = start_ns;
     while (now_ns - start_ns < PROBE_NS && search_request(search, &request)) {
         const uint32_t samples = request.sampling.samples;
-        const struct batch batch = {.sampling = request.sampling, .count = samples};
+        const struct batch batch = {
+            .sampling = request.sampling, .count = samples, .detail = request.detail};
         verdicts = g_renew(struct verdict, verdicts, samples);
         batch_evaluate(scenario, model, request.box, &batch, 1, verdicts);
         search_complete(search, verdicts);

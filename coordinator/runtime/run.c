@@ -1,5 +1,7 @@
 #include "coordinator/runtime/run.h"
 
+#include "common/sampling/box_text.h"
+
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/numeric/identity.h"
@@ -348,7 +350,8 @@ static void search_release(struct run_search *search)
 {
     search_free(search->search);
     scenario_fini(&search->scenario);
-    g_free(search->bounds);
+    box_fini(&search->sampled);
+    g_clear_pointer(&search->text, g_byte_array_unref);
     g_free(search->verdicts);
     g_free(search);
 }
@@ -377,7 +380,8 @@ enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct err
     if (status == STATUS_OK) {
         const struct scenario *scenario = &search->scenario;
         search->search = search_create(scenario, scenario->search.seed, run->threads);
-        search->bounds = g_new(double, 2 * (size_t)scenario->design_space.count);
+        search->text = g_byte_array_new();
+        box_init(&search->sampled, scenario->design_space.count);
         status = journal_read_steps(run->journal, index, replay, search->search, error);
     }
     if (status != STATUS_OK) {
@@ -444,10 +448,10 @@ enum status run_next(struct run *run, uint32_t index, int64_t now_ns, bool *want
         return STATUS_OK;
     if (!search_request(search->search, &search->request))
         return write_result(run, search, now_ns, error);
-    const struct box *box = search->request.box;
-    memcpy(search->bounds, box->lower, box->count * sizeof(double));
-    memcpy(search->bounds + box->count, box->upper, box->count * sizeof(double));
-    search->box = digest_of(search->bounds, 2 * (size_t)box->count * sizeof(double));
+    box_assign(&search->sampled, search->request.box);
+    g_byte_array_set_size(search->text, 0);
+    box_text_put(search->text, search->request.box, search->request.sampling.moves);
+    search->box = digest_of(search->text->data, search->text->len);
     search->verdicts = g_renew(struct verdict, search->verdicts, search->request.sampling.samples);
     search->active = *wanted = true;
     return STATUS_OK;
@@ -461,10 +465,7 @@ void run_trim(struct run_search *search)
 enum status run_record(struct run *run, uint32_t index, struct error *error)
 {
     const struct run_search *search = run->open[index];
-    const uint32_t count = search->scenario.design_space.count;
     const struct search_step *step = search_last_step(search->search);
-    const struct box sampled = {
-        .count = count, .lower = search->bounds, .upper = search->bounds + count};
     struct journal_step record = {
         .search = index,
         .step = step->step,
@@ -472,7 +473,7 @@ enum status run_record(struct run *run, uint32_t index, struct error *error)
         .good = step->good,
         .growth = step->growth,
         .log_volume = step->log_volume,
-        .box = &sampled,
+        .box = &search->sampled,
         .detail = search->request.detail,
         .verdicts = search->verdicts,
         .sampling = search->request.sampling.method,

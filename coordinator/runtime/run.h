@@ -25,6 +25,7 @@
 #include "coordinator/journal/journal.h"
 #include "coordinator/search/search.h"
 
+#include <glib.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -35,8 +36,9 @@ struct run_search {
     struct search *search;
     struct search_request request; // meaningful while `active`
     bool active;                   // a step is being sampled
-    double *bounds;                // (2 x variables) of the step's box as it travels: lower, upper
-    struct digest box;             // digest of the bounds' bytes: the box's name on the network
+    struct box sampled;            // that step's box
+    GByteArray *text;              // as it travels (common/sampling/box_text.h)
+    struct digest box;             // digest of that text: the box's name on the network
     struct verdict *verdicts;      // (request.sampling.samples) filled in as outcomes arrive
     int64_t started_ns;            // monotonic, of this session
     uint32_t told_variable; // whose bounds are told first next time; this and the next of tell.h

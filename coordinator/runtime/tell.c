@@ -336,17 +336,24 @@ static uint8_t *put_doubles(uint8_t *at, const double *values, uint32_t count)
     return at;
 }
 
+// Margins are for the search alone.
+static enum verdict_detail told_detail(enum verdict_detail detail)
+{
+    return detail == VERDICT_DETAIL_MARGIN ? VERDICT_DETAIL_FULL : detail;
+}
+
 // Packs the verdicts of the step's first samples, at most `room` bytes of them, into `packed`,
 // which holds verdict_packed_size_max() of SAMPLES_TOLD.
 static size_t pack_verdicts(const struct run_search *search, size_t room, uint32_t *count,
                             uint8_t *packed)
 {
     const struct search_request *request = &search->request;
+    const enum verdict_detail detail = told_detail(request->detail);
     *count = MIN(request->sampling.samples, SAMPLES_TOLD);
-    size_t size = verdict_pack(search->verdicts, *count, request->detail, packed);
+    size_t size = verdict_pack(search->verdicts, *count, detail, packed);
     while (size > room) {
         *count -= *count / 8 + 1;
-        size = verdict_pack(search->verdicts, *count, request->detail, packed);
+        size = verdict_pack(search->verdicts, *count, detail, packed);
     }
     return size;
 }
@@ -372,7 +379,7 @@ static void queue_step(struct tell *tell, const struct run_search *search,
             .step = (int32_t)search->request.sampling.step,
             .phase = (int8_t)search->request.phase,
             .sampling = (int8_t)search->request.sampling.method,
-            .detail = (int8_t)search->request.detail,
+            .detail = (int8_t)told_detail(search->request.detail),
             .samples = (int32_t)search->request.sampling.samples,
             .good = (int32_t)search_last_step(search->search)->good,
             .count = (int32_t)count,
@@ -384,8 +391,8 @@ static void queue_step(struct tell *tell, const struct run_search *search,
         memcpy(part->message.scenario, search->scenario.digest.bytes, DIGEST_SIZE);
         memcpy(part->packed, verdicts, size);
         uint8_t *at = part->packed + size;
-        at = put_doubles(at, search->bounds + first, window);
-        at = put_doubles(at, search->bounds + variables + first, window);
+        at = put_doubles(at, search->sampled.lower + first, window);
+        at = put_doubles(at, search->sampled.upper + first, window);
         at = put_doubles(at, progress->box->lower + first, window);
         put_doubles(at, progress->box->upper + first, window);
         g_queue_push_tail(&tell->parts, part);

@@ -52,7 +52,7 @@ static struct backlog_search *backlog_search(const struct backlog *backlog, uint
 }
 
 void backlog_add(struct backlog *backlog, uint32_t search, uint32_t step, uint32_t samples,
-                 bool share_only, double sample_ns)
+                 enum verdict_detail detail, double sample_ns)
 {
     assert(samples > 0);
     struct backlog_search *owner = backlog_search(backlog, search);
@@ -68,7 +68,7 @@ void backlog_add(struct backlog *backlog, uint32_t search, uint32_t step, uint32
         .search = owner,
         .step = step,
         .samples = samples,
-        .share_only = share_only,
+        .detail = detail,
         .sample_ns = known ? sample_ns : BACKLOG_SAMPLE_NS,
         .sample_known = known,
         .batches = g_ptr_array_new(),
@@ -77,7 +77,7 @@ void backlog_add(struct backlog *backlog, uint32_t search, uint32_t step, uint32
     owner->step = added;
     g_queue_push_tail_link(&backlog->open, &added->link);
     backlog->samples += samples;
-    backlog->uncut[share_only] += samples;
+    backlog->uncut[detail] += samples;
 }
 
 struct backlog_step *backlog_step(const struct backlog *backlog, uint32_t search)
@@ -114,7 +114,7 @@ static void step_remove(struct backlog *backlog, struct backlog_step *step)
     if (step->cut < step->samples)
         g_queue_unlink(&backlog->open, &step->link);
     backlog->samples -= step->samples - step->counted;
-    backlog->uncut[step->share_only] -= step->samples - step->cut;
+    backlog->uncut[step->detail] -= step->samples - step->cut;
     step->search->step = NULL;
     g_ptr_array_free(step->batches, TRUE);
     g_free(step);
@@ -165,7 +165,7 @@ struct backlog_batch *backlog_cut(struct backlog *backlog, struct backlog_step *
     backlog->leased++;
     g_ptr_array_add(step->batches, batch);
     step->cut += count;
-    backlog->uncut[step->share_only] -= count;
+    backlog->uncut[step->detail] -= count;
     g_queue_unlink(&backlog->open, &step->link);
     if (step->cut < step->samples)
         g_queue_push_tail_link(&backlog->open, &step->link);

@@ -47,7 +47,7 @@ struct backlog_step {
     uint32_t samples;
     uint32_t cut;     // samples in batches already
     uint32_t counted; // samples
-    bool share_only;
+    enum verdict_detail detail;
     double sample_ns;   // what a sample is thought to take one core [ns], > 0
     bool sample_known;  // said by the search, not assumed
     GPtrArray *batches; // by number
@@ -64,14 +64,14 @@ struct backlog_search {
 };
 
 struct backlog {
-    GHashTable *searches; // number -> struct backlog_search, owned
-    GQueue open;          // steps with samples not cut, next turn first
-    GQueue again;         // batches that wait
-    GQueue late;          // leased batches that an idle worker may copy
-    GPtrArray *spare;     // batches of finished steps, to be used again
-    uint64_t samples;     // not counted yet
-    uint64_t uncut[2];    // samples not cut: of steps with full verdicts, of steps with shares
-    uint32_t leased;      // batches
+    GHashTable *searches;                 // number -> struct backlog_search, owned
+    GQueue open;                          // steps with samples not cut, next turn first
+    GQueue again;                         // batches that wait
+    GQueue late;                          // leased batches that an idle worker may copy
+    GPtrArray *spare;                     // batches of finished steps, to be used again
+    uint64_t samples;                     // not counted yet
+    uint64_t uncut[VERDICT_DETAIL_COUNT]; // samples not cut, of steps by detail
+    uint32_t leased;                      // batches
 };
 
 // What an outcome is to the backlog.
@@ -82,7 +82,7 @@ void backlog_fini(struct backlog *backlog);
 
 // A search wants a step; it has none open.
 void backlog_add(struct backlog *backlog, uint32_t search, uint32_t step, uint32_t samples,
-                 bool share_only, double sample_ns);
+                 enum verdict_detail detail, double sample_ns);
 
 // The search's open step, or NULL.
 struct backlog_step *backlog_step(const struct backlog *backlog, uint32_t search);

@@ -23,8 +23,7 @@ static uint32_t cut_cap(const struct schedule_settings *settings, const struct r
                         const struct roster_worker *worker, const struct backlog_step *step,
                         double sample_ns)
 {
-    uint32_t message =
-        step->share_only ? settings->batch_verdicts_max : settings->batch_samples_max;
+    const uint32_t message = settings->batch_samples_max[step->detail];
     uint32_t time = count_max(count_of((double)roster_target_ns(roster) / sample_ns),
                               CUT_LANES * worker->threads);
     if (!step->sample_known && !roster->core.measured)

@@ -3,7 +3,7 @@
 //
 // - By time: what takes the worker roster_target_ns(), but a vector of samples for each of its
 //   threads.
-// - By message size: batch_samples_max or batch_verdicts_max.
+// - By message size: batch_samples_max.
 // - By share: where fewer steps are open than there are workers, a step is split by the workers'
 //   rates, so that all work on it and end together. A part is worth its messages:
 //

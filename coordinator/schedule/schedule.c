@@ -41,11 +41,14 @@ struct schedule {
 struct schedule_settings schedule_settings_default(void)
 {
     return (struct schedule_settings){
-        // With full verdicts, 3.1 bytes a bad sample: what a frame of 1,400 bytes holds when nearly
-        // all are bad.
-        .batch_samples_max = 400,
-        // As shares, 1 bit a sample: 1,024 bytes.
-        .batch_verdicts_max = 8192,
+        .batch_samples_max =
+            {
+                // 3.1 bytes a bad sample: what a frame of 1,400 bytes holds when nearly all are
+                // bad.
+                [VERDICT_DETAIL_FULL] = 400,
+                [VERDICT_DETAIL_SHARE] = 8192, // 1 bit a sample: 1,024 bytes
+                [VERDICT_DETAIL_MARGIN] = 176, // 7.1 bytes a bad sample
+            },
         // A hundred round trips (24 us on one machine, some 100 us between two): the messages cost
         // 1 %. Ten times that would leave workers idle at the end of each step, and a lost one
         // would
@@ -74,8 +77,8 @@ struct schedule_settings schedule_settings_default(void)
 
 struct schedule *schedule_create(const struct schedule_settings *settings)
 {
-    assert(settings->batch_samples_max > 0);
-    assert(settings->batch_verdicts_max > 0);
+    for (int detail = 0; detail < VERDICT_DETAIL_COUNT; detail++)
+        assert(settings->batch_samples_max[detail] > 0);
     assert(settings->batch_target_ns > 0);
     assert(settings->silence_ns > 0);
     assert(settings->lease_min_ns > 0);
@@ -216,7 +219,7 @@ static void step_event(struct schedule *schedule, const struct schedule_event *e
     // A search waits for one step only: the new one is what it wants now.
     step_cancel(schedule, event->step.search);
     backlog_add(&schedule->backlog, event->step.search, event->step.step, event->step.samples,
-                event->step.share_only, event->step.sample_ns);
+                event->step.detail, event->step.sample_ns);
 }
 
 static void worker_refuse(struct schedule *schedule, const char *name)
@@ -561,13 +564,14 @@ void schedule_step(struct schedule *schedule, const struct schedule_event *event
 void schedule_counters(const struct schedule *schedule, struct schedule_counters *counters)
 {
     const struct backlog *backlog = &schedule->backlog;
-    uint64_t samples_max = schedule->settings.batch_samples_max;
-    uint64_t verdicts_max = schedule->settings.batch_verdicts_max;
     *counters = schedule->counters;
     counters->workers = schedule->roster.heard.length;
     counters->workers_refused = schedule->roster.refused;
     counters->batches_leased = backlog->leased;
-    counters->batches_waiting =
-        (uint32_t)(backlog->again.length + (backlog->uncut[0] + samples_max - 1) / samples_max +
-                   (backlog->uncut[1] + verdicts_max - 1) / verdicts_max);
+    uint64_t waiting = backlog->again.length;
+    for (int detail = 0; detail < VERDICT_DETAIL_COUNT; detail++) {
+        const uint64_t most = schedule->settings.batch_samples_max[detail];
+        waiting += (backlog->uncut[detail] + most - 1) / most;
+    }
+    counters->batches_waiting = (uint32_t)waiting;
 }

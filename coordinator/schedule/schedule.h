@@ -14,6 +14,7 @@
 #ifndef SOBOX_COORDINATOR_SCHEDULE_SCHEDULE_H
 #define SOBOX_COORDINATOR_SCHEDULE_SCHEDULE_H
 
+#include "common/numeric/verdict.h"
 #include "common/protocol/protocol.h"
 
 #include <stdbool.h>
@@ -21,12 +22,11 @@
 #include <stdint.h>
 
 struct schedule_settings {
-    uint32_t batch_samples_max;  // samples of a batch with full verdicts, by message size
-    uint32_t batch_verdicts_max; // samples of a batch whose verdicts are only shares, likewise
-    int64_t batch_target_ns;     // how long a batch should take a worker [ns]: a few milliseconds
-    int64_t silence_ns;          // a worker not heard for so long is gone, of hundreds [ns]
-    int64_t lease_new_ns;        // least lease of a worker hardly known [ns]
-    int64_t lease_min_ns;        // least and greatest lease [ns]
+    uint32_t batch_samples_max[VERDICT_DETAIL_COUNT]; // samples of a batch, by message size
+    int64_t batch_target_ns; // how long a batch should take a worker [ns]: a few milliseconds
+    int64_t silence_ns;      // a worker not heard for so long is gone, of hundreds [ns]
+    int64_t lease_new_ns;    // least lease of a worker hardly known [ns]
+    int64_t lease_min_ns;    // least and greatest lease [ns]
     int64_t lease_max_ns;
     int64_t message_ns;  // what a batch and its outcome take the coordinator's one loop [ns]
     uint32_t window_max; // batches in flight at one worker, at most
@@ -50,7 +50,7 @@ struct schedule_event {
             uint32_t search;
             uint32_t step;
             uint32_t samples;
-            bool share_only;  // verdicts are only shares: larger batches fit a message
+            enum verdict_detail detail; // how much of each verdict comes back: less fits more
             double sample_ns; // guess of the evaluation time of a sample on one core; 0: none
         } step;
         struct {

@@ -173,7 +173,7 @@ bool album_hear(struct album *album, const sobox_step_status_t *message)
         pending_drop(album);
         // The verdicts come with the first part: without it the rest tells nothing. Pictures are of
         // points: where a curve stands takes the scenario's springs.
-        if (message->count == 0 || sampling_of_curves((enum sampling_method)message->sampling))
+        if (message->count == 0 || !sampling_of_points((enum sampling_method)message->sampling))
             return false;
         album->pending = picture_begin(message);
         album->missing = (uint32_t)message->variables;

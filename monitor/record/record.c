@@ -157,7 +157,7 @@ static enum status tell_samples(void *user, const struct journal_step *step, str
         note_unknown_sampling(reading->record);
         return STATUS_OK;
     }
-    if (sampling_of_curves(step->sampling))
+    if (!sampling_of_points(step->sampling))
         return STATUS_OK; // pictures are of points: where a curve stands takes the scenario's
                           // springs
     const uint32_t count = MIN(step->samples, SAMPLES_TOLD);

@@ -170,8 +170,9 @@ static void send_batch(struct bench *bench, uint64_t worker, const struct batch_
         .step_samples = (int32_t)bench->load->samples,
         .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
-        .bound_count = (int32_t)(2 * variables),
-        .bounds = bench->bounds,
+        .variables = (int32_t)variables,
+        .text_size = (int32_t)(2 * variables * sizeof *bench->bounds),
+        .text = (uint8_t *)bench->bounds,
     };
     memcpy(message.scenario, bench->scenario.digest.bytes, DIGEST_SIZE);
     memcpy(message.box, bench->box.bytes, DIGEST_SIZE);
@@ -296,7 +297,7 @@ static void start_schedule(struct bench *bench)
 {
     struct schedule_settings settings = schedule_settings_default();
     if (bench->load->batch_samples > 0)
-        settings.batch_samples_max = bench->load->batch_samples;
+        settings.batch_samples_max[VERDICT_DETAIL_FULL] = bench->load->batch_samples;
     bench->schedule = schedule_create(&settings);
     bench->run++;
     tell_workers(bench);

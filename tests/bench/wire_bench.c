@@ -93,8 +93,9 @@ static void publish(struct wire *wire, const struct bench_message *what)
     sobox_sample_batch_t batch = {.holder = 1,
                                   .batch.count = 200,
                                   .step_samples = 200,
-                                  .bound_count = what->bound_count,
-                                  .bounds = bounds};
+                                  .variables = 1 + what->bound_count / 2,
+                                  .text_size = what->bound_count * (int32_t)sizeof *bounds,
+                                  .text = (uint8_t *)bounds};
     sobox_outcome_batch_t outcome = {
         .batch.count = what->samples, .packed_size = what->packed_size, .packed = packed};
     sobox_run_status_t status = {.name = "bench", .searches = 1};

@@ -1,5 +1,7 @@
 #include "tests/cluster/coordinator_node.h"
 
+#include "common/sampling/box_text.h"
+
 #include "tests/cluster/trace.h"
 
 #include <stdio.h>
@@ -24,6 +26,7 @@ void coordinator_node_init(struct coordinator_node *node, struct network *networ
     g_queue_init(&node->ready);
     for (uint32_t i = 0; i < search_count; i++) {
         node->searches[i].scenario = &problem->scenarios[i];
+        node->searches[i].text = g_byte_array_new();
         node->searches[i].journal = g_ptr_array_new_with_free_func(g_free);
     }
 }
@@ -43,10 +46,10 @@ static void search_send(struct coordinator_node *node, uint32_t place, uint64_t 
                   .sampling = search->request.sampling,
                   .detail = search->request.detail},
     };
+    message.batch.variables = search->scenario->design_space.count;
     if (!node->boxes_by_request) {
-        message.batch.bound_count = 2 * search->scenario->design_space.count;
-        message.payload = (const uint8_t *)search->bounds;
-        message.payload_size = (uint32_t)search->bounds_size;
+        message.payload = search->text->data;
+        message.payload_size = search->text->len;
     }
     node->batches_sent++;
     network_send(node->network, 0, place, &message, now_ns);
@@ -138,13 +141,10 @@ static void search_next(struct coordinator_node *node, uint32_t index, int64_t n
         node->done_count++;
         return;
     }
-    const struct box *box = search->request.box;
     const uint32_t samples = search->request.sampling.samples;
-    search->bounds_size = 2 * (size_t)box->count * sizeof(double);
-    search->bounds = g_realloc(search->bounds, search->bounds_size);
-    memcpy(search->bounds, box->lower, box->count * sizeof(double));
-    memcpy(search->bounds + box->count, box->upper, box->count * sizeof(double));
-    search->box = digest_of(search->bounds, search->bounds_size);
+    g_byte_array_set_size(search->text, 0);
+    box_text_put(search->text, search->request.box, search->request.sampling.moves);
+    search->box = digest_of(search->text->data, search->text->len);
     search->verdicts = g_renew(struct verdict, search->verdicts, samples);
     search->counted = g_realloc(search->counted, samples);
     memset(search->counted, 0, samples);
@@ -153,7 +153,7 @@ static void search_next(struct coordinator_node *node, uint32_t index, int64_t n
         .step = {.search = index,
                  .step = search->request.sampling.step,
                  .samples = samples,
-                 .share_only = search->request.detail == VERDICT_DETAIL_SHARE},
+                 .detail = search->request.detail},
     };
     node_take(node, &event, NULL, now_ns);
 }
@@ -234,7 +234,7 @@ void coordinator_node_fini(struct coordinator_node *node)
     schedule_effects_fini(&node->effects);
     for (uint32_t i = 0; i < node->search_count; i++) {
         g_ptr_array_free(node->searches[i].journal, TRUE);
-        g_free(node->searches[i].bounds);
+        g_byte_array_unref(node->searches[i].text);
         g_free(node->searches[i].counted);
     }
 }
@@ -297,8 +297,8 @@ static const void *node_text(const struct coordinator_node *node, const struct d
             return search->scenario->text;
         }
         if (search->active && digest_equal(&search->box, digest)) {
-            *size = search->bounds_size;
-            return search->bounds;
+            *size = search->text->len;
+            return search->text->data;
         }
     }
     return NULL;

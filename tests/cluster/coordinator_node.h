@@ -19,8 +19,7 @@ struct coordinator_search {
     struct search *search;
     struct search_request request; // while active
     bool active;
-    double *bounds;
-    size_t bounds_size; // [bytes]
+    GByteArray *text; // of the step's box
     struct digest box;
     struct verdict *verdicts;
     uint8_t *counted; // (samples) how often

@@ -40,7 +40,7 @@ struct message {
             struct digest box;
             struct sampling sampling;
             enum verdict_detail detail;
-            uint32_t bound_count; // payload: the bounds
+            uint32_t variables; // payload: the text of the box
         } batch;
         struct {
             struct digest digest;

@@ -56,7 +56,8 @@ static void problem_calm(struct problem *problem, uint32_t index)
     while (search_request(search, &request)) {
         uint32_t count = request.sampling.samples;
         struct verdict *verdicts = g_new(struct verdict, count);
-        struct batch batch = {.sampling = request.sampling, .first = 0, .count = count};
+        struct batch batch = {
+            .sampling = request.sampling, .first = 0, .count = count, .detail = request.detail};
         batch_evaluate(scenario, model, request.box, &batch, 1, verdicts);
         verdicts_travel(verdicts, &request, scenario->constraint_count);
         problem->samples[index] += count;

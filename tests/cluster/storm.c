@@ -75,8 +75,10 @@ static void storm_draw(struct storm *storm, bool calm)
 {
     struct dice *dice = &storm->dice;
     storm->settings = schedule_settings_default();
-    storm->settings.batch_samples_max = (uint32_t)dice_scale(dice, 8, 500);
-    storm->settings.batch_verdicts_max = (uint32_t)dice_scale(dice, 64, 9000);
+    storm->settings.batch_samples_max[VERDICT_DETAIL_FULL] = (uint32_t)dice_scale(dice, 8, 500);
+    storm->settings.batch_samples_max[VERDICT_DETAIL_MARGIN] =
+        storm->settings.batch_samples_max[VERDICT_DETAIL_FULL];
+    storm->settings.batch_samples_max[VERDICT_DETAIL_SHARE] = (uint32_t)dice_scale(dice, 64, 9000);
     network_init(&storm->network, dice);
     coordinator_node_init(&storm->coordinator, &storm->network, dice, storm->problem,
                           1 + dice_below(dice, PROBLEM_SEARCHES), &storm->settings);

@@ -90,10 +90,6 @@ static void node_take_batch(struct worker_node *node, const struct message *mess
     if (message->batch.holder != node->sender)
         return;
     TRACE_CHECK(now_ns, !node->wrong_version);
-    double bounds[WORKER_NODE_BOUND_MAX];
-    TRACE_CHECK(now_ns, message->payload_size <= sizeof bounds);
-    if (message->payload_size > 0)
-        memcpy(bounds, message->payload, message->payload_size);
     struct intake_batch batch = {
         .run = message->run,
         .coordinator = message->sender,
@@ -102,8 +98,9 @@ static void node_take_batch(struct worker_node *node, const struct message *mess
         .identity = message->batch.identity,
         .sampling = message->batch.sampling,
         .detail = message->batch.detail,
-        .bounds = message->batch.bound_count > 0 ? bounds : NULL,
-        .bound_count = message->batch.bound_count,
+        .variables = message->batch.variables,
+        .text = message->payload,
+        .text_size = message->payload_size,
     };
     struct error error;
     enum status status = intake_batch(node->intake, &batch, now_ns, &error);

@@ -44,13 +44,18 @@ static void give_batch(struct world *world)
                      .first = fuzz_u16(&world->input),
                      .count = 1 + fuzz_byte(&world->input)},
         .sampling = {.seed = 1, .samples = 1 << 20},
-        .bound_count = fuzz_byte(&world->input) % (BOUNDS_MAX + 1) & ~1u,
-        .bounds = bounds,
+        .variables = 1 + fuzz_byte(&world->input) % BOUNDS_MAX,
+        .text_size = fuzz_byte(&world->input) % sizeof bounds,
+        .text = (const uint8_t *)bounds,
     };
-    for (uint32_t i = 0; i < batch.bound_count; i++)
-        bounds[i] = (i < batch.bound_count / 2 ? 1.0 : 2.0) * fuzz_byte(&world->input);
-    if (batch.bound_count > 0 && fuzz_byte(&world->input) < 200)
-        batch.box = digest_of(bounds, batch.bound_count * sizeof(double));
+    // Bounds, of which the last bytes may be attacks.
+    const uint32_t variables = batch.variables;
+    for (uint32_t i = 0; i < BOUNDS_MAX; i++)
+        bounds[i] = (i < variables ? 1.0 : 2.0) * fuzz_byte(&world->input);
+    if (fuzz_byte(&world->input) < 128)
+        batch.sampling.method = SAMPLING_METHOD_MOVES;
+    if (batch.text_size > 0 && fuzz_byte(&world->input) < 200)
+        batch.box = digest_of(bounds, batch.text_size);
     struct error error = {0};
     enum status status = intake_batch(world->intake, &batch, world->now_ns, &error);
     assert(status == STATUS_OK || error.text[0] != '\0');

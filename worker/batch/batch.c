@@ -76,6 +76,18 @@ struct verdict batch_verdict(const struct scenario *scenario, const double *outc
     return worst;
 }
 
+double batch_margin(const struct scenario *scenario, uint32_t constraint, const double *outcomes,
+                    size_t stride)
+{
+    if (!outcomes_finite(outcomes, scenario_outcome_count(scenario), stride))
+        return -INFINITY;
+    const struct scenario_constraint *bound = &scenario->constraints[constraint];
+    const double value = outcomes[bound->outcome * stride];
+    const double above_min = (value - bound->min) / bound->scale;
+    const double below_max = (bound->max - value) / bound->scale;
+    return above_min < below_max ? above_min : below_max;
+}
+
 uint32_t batch_violated(const struct scenario *scenario, const double *outcomes, uint32_t *violated)
 {
     uint32_t count = 0;
@@ -135,17 +147,42 @@ static uint32_t judge_block(const struct scenario *scenario, uint32_t outcome_co
     return non_finite;
 }
 
+// The margins of a block: of the constraint that each sample of an adversarial step is asked for,
+// else the least of all constraints.
+static void measure_block(const struct scenario *scenario, const struct sampling *sampling,
+                          uint32_t per_attack, uint32_t first, uint32_t count,
+                          const double *outcomes, struct verdict *verdicts)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (sampling->method == SAMPLING_METHOD_MOVES) {
+            const uint8_t target = moves_target(sampling, per_attack, first + i);
+            verdicts[i].margin = (float)batch_margin(scenario, target, outcomes + i, MODEL_BLOCK);
+            continue;
+        }
+        verdicts[i].margin = INFINITY;
+        for (uint32_t c = 0; c < scenario->constraint_count; c++) {
+            const float margin = (float)batch_margin(scenario, c, outcomes + i, MODEL_BLOCK);
+            verdicts[i].margin = margin < verdicts[i].margin ? margin : verdicts[i].margin;
+        }
+    }
+}
+
 // Samples first .. first + count - 1 of the step; returns how many had a non-finite outcome.
 static uint32_t evaluate_block(const struct scenario *scenario, const struct model *model,
-                               const struct box *box, const struct sampling *sampling,
-                               uint32_t first, uint32_t count, const struct batch_scratch *scratch,
+                               const struct box *box, const struct batch *batch, uint32_t first,
+                               uint32_t count, const struct batch_scratch *scratch,
                                struct verdict *verdicts)
 {
-    struct sampling of_scenario = *sampling;
+    struct sampling of_scenario = batch->sampling;
     of_scenario.curves = &scenario->curves;
     sampling_fill(&of_scenario, box, first, count, scratch->values, MODEL_BLOCK);
     model_evaluate_judged(model, count, scratch->values, scratch->outcomes);
-    return judge_block(scenario, model_outcome_count(model), scratch->outcomes, count, verdicts);
+    const uint32_t non_finite =
+        judge_block(scenario, model_outcome_count(model), scratch->outcomes, count, verdicts);
+    if (batch->detail == VERDICT_DETAIL_MARGIN)
+        measure_block(scenario, &of_scenario, moves_count(&scenario->curves, box), first, count,
+                      scratch->outcomes, verdicts);
+    return non_finite;
 }
 
 uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model *model,
@@ -159,9 +196,9 @@ uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model
     uint32_t non_finite = 0;
     for (uint32_t done = 0; done < count; done += MODEL_BLOCK) {
         const uint32_t left = count - done;
-        non_finite += evaluate_block(
-            scenario, model, box, &batch->sampling, batch->first + begin + done,
-            left < MODEL_BLOCK ? left : MODEL_BLOCK, scratch, verdicts + begin + done);
+        non_finite += evaluate_block(scenario, model, box, batch, batch->first + begin + done,
+                                     left < MODEL_BLOCK ? left : MODEL_BLOCK, scratch,
+                                     verdicts + begin + done);
     }
     return non_finite;
 }

@@ -12,6 +12,7 @@ struct batch {
     struct sampling sampling;
     uint32_t first;
     uint32_t count;
+    enum verdict_detail detail; // margins are worked out where they are asked for
 };
 
 // Room in which one thread computes, for models of any size one after the other. A zeroed struct is
@@ -32,6 +33,12 @@ uint32_t batch_evaluate_part(const struct scenario *scenario, const struct model
                              const struct box *box, const struct batch *batch, uint32_t begin,
                              uint32_t count, struct batch_scratch *scratch,
                              struct verdict *verdicts);
+
+// How far inside a constraint the outcomes of a design lie (outcomes[outcome * stride], all that
+// the model has), in the constraint's own scale: below 0 outside, -infinity where any outcome is
+// not finite.
+double batch_margin(const struct scenario *scenario, uint32_t constraint, const double *outcomes,
+                    size_t stride);
 
 // Samples the box, runs the model and holds the outcomes against the scenario's constraints, on
 // `threads` (1 ..) OpenMP threads. `model` was made from `scenario`, `box` has its variables,

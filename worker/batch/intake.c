@@ -10,7 +10,7 @@
 
 // A batch between its arrival and intake_done().
 struct queued {
-    struct intake_batch batch; // bounds NULL
+    struct intake_batch batch; // text NULL
     struct turn turn;          // arrivals are 0, 1, 2, ...; among the ready ones
     struct item *scenario;
     struct item *box; // NULL where the batch brings its designs
@@ -32,7 +32,8 @@ struct batch intake_samples(const struct intake_batch *batch)
 {
     return (struct batch){.sampling = batch->sampling,
                           .first = batch->identity.first,
-                          .count = batch->identity.count};
+                          .count = batch->identity.count,
+                          .detail = batch->detail};
 }
 
 // FNV-1a over the words that name a batch.
@@ -99,6 +100,29 @@ static void queued_forget(struct intake *intake, struct queued *queued)
     g_hash_table_remove(intake->batches, queued);
 }
 
+// Attacks are there for all samples of the step, and want to know margins of constraints that the
+// scenario has.
+static enum status moves_check(const struct queued *queued, struct error *error)
+{
+    const struct sampling *sampling = &queued->batch.sampling;
+    const struct scenario *scenario = &queued->scenario->scenario;
+    const struct moves *moves = &queued->box->moves;
+    if (sampling->method != SAMPLING_METHOD_MOVES)
+        return STATUS_OK;
+    const uint64_t samples =
+        (uint64_t)moves->attacks * moves_count(&scenario->curves, &queued->box->box);
+    if (samples != sampling->samples)
+        return error_set(error, STATUS_INVALID, "attacks of %llu samples in a step of %u",
+                         (unsigned long long)samples, sampling->samples);
+    for (uint32_t attack = 0; attack < moves->attacks; attack++) {
+        const uint8_t target = moves->rows[(size_t)attack * (1 + moves->variables)];
+        if (target >= scenario->constraint_count)
+            return error_set(error, STATUS_INVALID, "an attack on constraint %u of %u", target,
+                             scenario->constraint_count);
+    }
+    return STATUS_OK;
+}
+
 static enum status queued_check(const struct queued *queued, struct error *error)
 {
     uint32_t wanted = queued->scenario->scenario.design_space.count;
@@ -113,7 +137,7 @@ static enum status queued_check(const struct queued *queued, struct error *error
     if (found != wanted)
         return error_set(error, STATUS_INVALID, "a box of %u variables, the scenario has %u", found,
                          wanted);
-    return STATUS_OK;
+    return moves_check(queued, error);
 }
 
 static bool queued_complete(const struct queued *queued)
@@ -179,6 +203,8 @@ static struct queued *queued_create(struct intake *intake, const struct intake_b
     struct item *box = NULL;
     if (batch->designs == NULL) {
         box = store_acquire(&intake->store, ITEM_BOX, &batch->box, batch->run, now_ns);
+        if (box != NULL && box->variables == 0)
+            box->variables = batch->variables;
         if (box == NULL) {
             store_release(&intake->store, scenario);
             return NULL;
@@ -186,8 +212,8 @@ static struct queued *queued_create(struct intake *intake, const struct intake_b
     }
     struct queued *queued = g_new0(struct queued, 1);
     queued->batch = *batch;
-    queued->batch.bounds = NULL;
-    queued->batch.bound_count = 0;
+    queued->batch.text = NULL;
+    queued->batch.text_size = 0;
     const size_t design_size = batch->design_value_count * sizeof(double);
     queued->designs = batch->designs != NULL ? g_memdup2(batch->designs, design_size) : NULL;
     queued->batch.designs = queued->designs;
@@ -237,10 +263,10 @@ enum status intake_batch(struct intake *intake, const struct intake_batch *batch
     if (queued == NULL)
         return error_set(error, STATUS_REFUSED, "as many scenarios as may be kept are in use");
     struct item *box = queued->box;
-    if (box == NULL || batch->bound_count == 0 || box->ready)
+    if (box == NULL || batch->text_size == 0 || box->ready)
         return queued_place(intake, queued, error);
     enum status status =
-        store_finish_box(&intake->store, box, batch->bounds, batch->bound_count, error);
+        store_finish_box(&intake->store, box, batch->text, batch->text_size, error);
     if (status != STATUS_OK) {
         queued_forget(intake, queued);
         return status;
@@ -347,6 +373,8 @@ bool intake_take(struct intake *intake, struct intake_work *work)
         .model = queued->scenario->model,
         .box = queued->box != NULL ? &queued->box->box : NULL,
     };
+    if (queued->box != NULL)
+        work->batch.sampling.moves = &queued->box->moves;
     return true;
 }
 

@@ -54,9 +54,10 @@ struct intake_batch {
     struct digest box;
     struct sampling sampling; // of the whole step
     enum verdict_detail detail;
-    const double *bounds; // (bound_count) lower then upper; borrowed
-    uint32_t bound_count; // 0: the box comes by request
-    // Of a batch of given designs: identity.count x variables. It has no box, no bounds, no
+    uint32_t variables;  // of the box
+    const uint8_t *text; // (text_size) of the box (common/sampling/box_text.h); borrowed
+    uint32_t text_size;  // [bytes] 0: it comes by request
+    // Of a batch of given designs: identity.count x variables. It has no box, no text, no
     // sampling, and no detail. NULL: the batch is one of samples. Borrowed.
     const double *designs;
     uint32_t design_value_count;
@@ -64,7 +65,7 @@ struct intake_batch {
 
 // A batch ready to be evaluated. Pointers, also those to designs, are borrowed until intake_done().
 struct intake_work {
-    struct intake_batch batch; // bounds NULL
+    struct intake_batch batch; // text NULL
     const struct scenario *scenario;
     const struct model *model;
     const struct box *box; // NULL: batch.designs are to be evaluated
@@ -87,9 +88,10 @@ void intake_free(struct intake *intake);
 // and samples) is not queued twice; the number of its last attempt goes into the outcome.
 // Returns STATUS_OK also when it is not queued for that reason.
 // Errors: STATUS_REFUSED (dropped for want of room: the queue is full, or as many scenarios as may
-// be kept are in use, or too many designs wait), STATUS_INVALID (dropped: its bounds are not those
-// of `box`, not finite, upside down, or not one interval for each variable of the scenario; its
-// designs are not finite or have another number of values).
+// be kept are in use, or too many designs wait), STATUS_INVALID (dropped: its text is not that of
+// `box`, or no box, or the box has not one interval for each variable of the scenario, or its
+// sampling needs attacks and has none for all its samples; its designs are not finite or have
+// another number of values).
 enum status intake_batch(struct intake *intake, const struct intake_batch *batch, int64_t now_ns,
                          struct error *error) MUST_USE;
 

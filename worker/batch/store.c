@@ -1,5 +1,6 @@
 #include "worker/batch/store.h"
 
+#include "common/sampling/box_text.h"
 #include "common/scenario/scenario_read.h"
 
 #include <assert.h>
@@ -27,6 +28,7 @@ static void item_free(gpointer data)
         model_free(item->model);
     scenario_fini(&item->scenario);
     box_fini(&item->box);
+    moves_fini(&item->moves);
     g_free(item);
 }
 
@@ -124,12 +126,11 @@ struct item *store_missing(struct store *store, enum item_kind kind, const struc
     return item != NULL && !item->ready ? item : NULL;
 }
 
-static bool size_possible(enum item_kind kind, uint32_t total)
+static bool size_possible(const struct item *item, uint32_t total)
 {
-    const uint32_t interval_size = 2 * sizeof(double);
-    if (kind == ITEM_SCENARIO)
+    if (item->kind == ITEM_SCENARIO)
         return total <= SCENARIO_TEXT_SIZE_MAX;
-    return total % interval_size == 0 && total / interval_size <= SCENARIO_VARIABLE_MAX;
+    return total <= PROTOCOL_TEXT_SIZE_MAX && box_text_size_ok(total, item->variables);
 }
 
 // Whether a text of `total` bytes fits, after dropping pieces of those needed later than it.
@@ -148,7 +149,7 @@ enum text_progress store_piece(struct store *store, struct item *item, uint32_t 
                                uint32_t offset, const uint8_t *piece, uint32_t size)
 {
     assert(!item->ready);
-    if (!size_possible(item->kind, total))
+    if (!size_possible(item, total))
         return TEXT_NOTHING;
     if (item->text.size != total) {
         if (!store_make_room_for_text(store, item, total))
@@ -176,35 +177,13 @@ static enum status finish_scenario(struct item *item, struct error *error)
     return status;
 }
 
-static enum status finish_box(struct item *item, const double *bounds, uint32_t count,
+static enum status finish_box(struct item *item, const uint8_t *text, uint32_t size,
                               struct error *error)
 {
-    if (count == 0 || count % 2 != 0 || count / 2 > SCENARIO_VARIABLE_MAX)
-        return error_set(error, STATUS_INVALID, "%u bounds are not those of a box", count);
-    const double *lower = bounds, *upper = bounds + count / 2;
-    for (uint32_t i = 0; i < count / 2; i++) {
-        if (!isfinite(lower[i]) || !isfinite(upper[i]) || lower[i] > upper[i])
-            return error_set(error, STATUS_INVALID,
-                             "bounds [%g, %g] of variable %u are no interval", lower[i], upper[i],
-                             i);
-    }
-    box_init(&item->box, count / 2);
-    memcpy(item->box.lower, lower, count / 2 * sizeof *lower);
-    memcpy(item->box.upper, upper, count / 2 * sizeof *upper);
+    const char *wrong = box_text_get(text, size, item->variables, &item->box, &item->moves);
+    if (wrong != NULL)
+        return error_set(error, STATUS_INVALID, "%s", wrong);
     return STATUS_OK;
-}
-
-static enum status finish_box_text(struct item *item, struct error *error)
-{
-    uint32_t count = item->text.size / sizeof(double);
-    g_autofree double *bounds = g_new(double, count);
-    for (uint32_t i = 0; i < count; i++) {
-        uint64_t bits;
-        memcpy(&bits, item->text.bytes + i * sizeof bits, sizeof bits);
-        bits = GUINT64_FROM_LE(bits);
-        memcpy(&bounds[i], &bits, sizeof bits);
-    }
-    return finish_box(item, bounds, count, error);
 }
 
 enum status store_finish(struct store *store, struct item *item, struct error *error)
@@ -217,24 +196,21 @@ enum status store_finish(struct store *store, struct item *item, struct error *e
     else if (item->kind == ITEM_SCENARIO)
         status = finish_scenario(item, error);
     else
-        status = finish_box_text(item, error);
+        status = finish_box(item, item->text.bytes, item->text.size, error);
     item_drop_text(store, item);
     if (status == STATUS_OK)
         item_ready(store, item);
     return status;
 }
 
-enum status store_finish_box(struct store *store, struct item *item, const double *bounds,
-                             uint32_t count, struct error *error)
+enum status store_finish_box(struct store *store, struct item *item, const uint8_t *text,
+                             uint32_t size, struct error *error)
 {
     assert(!item->ready && item->kind == ITEM_BOX);
-    struct digest_state state;
-    digest_start(&state);
-    digest_doubles(&state, bounds, count);
-    struct digest digest = digest_end(&state);
+    const struct digest digest = digest_of(text, size);
     if (!digest_equal(&digest, &item->digest))
-        return error_set(error, STATUS_INVALID, "its bounds are not those it names");
-    enum status status = finish_box(item, bounds, count, error);
+        return error_set(error, STATUS_INVALID, "its text is not that of the box it names");
+    enum status status = finish_box(item, text, size, error);
     if (status == STATUS_OK) {
         item_drop_text(store, item);
         item_ready(store, item);

@@ -11,6 +11,7 @@
 
 #include "common/base/error.h"
 #include "common/numeric/digest.h"
+#include "common/sampling/moves.h"
 #include "common/scenario/scenario.h"
 #include "worker/batch/text.h"
 #include "worker/models/model.h"
@@ -35,6 +36,7 @@ struct item {
     GList link;     // in the store's list of missing or of idle items; of none while in use
 
     // While it is missing.
+    uint32_t variables;   // ITEM_BOX: what the batch that needed it first says of it
     uint64_t run;         // of the batch that needed it first
     struct text text;     // what has arrived of it
     int64_t ask_ns;       // when to ask for it
@@ -44,7 +46,8 @@ struct item {
     // Once it is ready.
     struct scenario scenario; // ITEM_SCENARIO, with
     struct model *model;      // the model made from it
-    struct box box;           // ITEM_BOX
+    struct box box;           // ITEM_BOX, with
+    struct moves moves;       // the attacks in it, if any
 };
 
 struct store {
@@ -83,9 +86,9 @@ enum text_progress store_piece(struct store *store, struct item *item, uint32_t 
 // size, not finite, or upside down).
 enum status store_finish(struct store *store, struct item *item, struct error *error) MUST_USE;
 
-// Makes a missing box ready from bounds (count: lower, then upper) that came another way.
+// Makes a missing box ready from its text that came another way.
 // Errors: STATUS_INVALID as store_finish().
-enum status store_finish_box(struct store *store, struct item *item, const double *bounds,
-                             uint32_t count, struct error *error) MUST_USE;
+enum status store_finish_box(struct store *store, struct item *item, const uint8_t *text,
+                             uint32_t size, struct error *error) MUST_USE;
 
 #endif

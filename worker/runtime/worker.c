@@ -307,8 +307,9 @@ static void on_sample_batch(void *user, enum wire_kind kind, const void *receive
                 .method = (enum sampling_method)message->sampling,
             },
         .detail = (enum verdict_detail)message->detail,
-        .bounds = message->bounds,
-        .bound_count = (uint32_t)message->bound_count,
+        .variables = (uint32_t)message->variables,
+        .text = message->text,
+        .text_size = (uint32_t)message->text_size,
     };
     memcpy(batch.scenario.bytes, message->scenario, sizeof batch.scenario.bytes);
     memcpy(batch.box.bytes, message->box, sizeof batch.box.bytes);

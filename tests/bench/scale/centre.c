@@ -165,12 +165,11 @@ static void go_on(struct centre *centre, struct centre_search *search)
         opening_close(&centre->opening, centre->scenario);
         return;
     }
-    take(centre, &(struct schedule_event){
-                     .kind = SCHEDULE_EVENT_STEP,
-                     .step = {.search = index_of(centre, search),
-                              .step = search->request.sampling.step,
-                              .samples = search->request.sampling.samples,
-                              .share_only = search->request.detail == VERDICT_DETAIL_SHARE}});
+    take(centre, &(struct schedule_event){.kind = SCHEDULE_EVENT_STEP,
+                                          .step = {.search = index_of(centre, search),
+                                                   .step = search->request.sampling.step,
+                                                   .samples = search->request.sampling.samples,
+                                                   .detail = search->request.detail}});
 }
 
 // What workers would have said.
@@ -178,7 +177,8 @@ static void complete(const struct centre *centre, struct centre_search *search)
 {
     const struct search_request *request = &search->request;
     const uint32_t count = request->sampling.samples;
-    const struct batch batch = {.sampling = request->sampling, .count = count};
+    const struct batch batch = {
+        .sampling = request->sampling, .count = count, .detail = request->detail};
     struct verdict *verdicts = g_new(struct verdict, count);
     batch_evaluate(centre->scenario, centre->model, request->box, &batch, 1, verdicts);
     for (uint32_t i = 0; request->detail == VERDICT_DETAIL_SHARE && i < count; i++)

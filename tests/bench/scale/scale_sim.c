@@ -87,7 +87,7 @@ static uint64_t samples_wanted(const struct cluster *cluster,
 {
     const uint64_t steps = (cluster->searches > 1 ? 4 : 25) *
                            (uint64_t)MIN(cluster->searches, OPENING_MAX) * cluster->samples;
-    const uint64_t batch = MIN(settings->batch_samples_max, cluster->samples);
+    const uint64_t batch = MIN(settings->batch_samples_max[VERDICT_DETAIL_FULL], cluster->samples);
     const uint64_t batches = 8 * (uint64_t)cluster->workers * batch;
     return cluster->searches > 1 ? MAX(steps, batches) : steps;
 }
@@ -97,8 +97,8 @@ static struct schedule_settings settings_for(uint32_t mtu)
 {
     struct schedule_settings settings = schedule_settings_default();
     const uint32_t payload = mtu - 160;
-    settings.batch_samples_max = MIN((uint32_t)(payload / 3.125), 65536);
-    settings.batch_verdicts_max = MIN(payload * 8, 65536);
+    settings.batch_samples_max[VERDICT_DETAIL_FULL] = MIN((uint32_t)(payload / 3.125), 65536);
+    settings.batch_samples_max[VERDICT_DETAIL_SHARE] = MIN(payload * 8, 65536);
     return settings;
 }
 

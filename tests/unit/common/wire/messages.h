@@ -38,8 +38,9 @@ static inline void message_make(enum wire_kind kind, union codec_message *messag
                                                        .step_samples = 200,
                                                        .sampling = 2,
                                                        .detail = 1,
-                                                       .bound_count = MESSAGE_BOUND_COUNT,
-                                                       .bounds = message_bounds};
+                                                       .variables = MESSAGE_BOUND_COUNT / 2,
+                                                       .text_size = MESSAGE_PIECE_SIZE,
+                                                       .text = message_bytes};
         break;
     case WIRE_TEXT:
         message->text = (sobox_text_t){.total_size = 1000,

@@ -25,7 +25,7 @@ struct seen {
     struct wire *wire;
     unsigned count[WIRE_KIND_COUNT];
     union codec_message last; // arrays are not kept
-    double bounds_last;       // the last element of a batch's bounds
+    uint8_t text_last;        // byte of the last batch that has a text
     enum wire_kind answer;    // published from within the handler; WIRE_KIND_COUNT: nothing
 };
 
@@ -39,8 +39,8 @@ static void note(void *user, enum wire_kind kind, const void *message)
     struct seen *seen = user;
     seen->count[kind]++;
     memcpy(&seen->last, message, sizes[kind]);
-    if (kind == WIRE_SAMPLE_BATCH && seen->last.sample_batch.bound_count > 0)
-        seen->bounds_last = seen->last.sample_batch.bounds[seen->last.sample_batch.bound_count - 1];
+    if (kind == WIRE_SAMPLE_BATCH && seen->last.sample_batch.text_size > 0)
+        seen->text_last = seen->last.sample_batch.text[seen->last.sample_batch.text_size - 1];
     if (seen->answer != WIRE_KIND_COUNT) {
         union codec_message answer;
         message_make(seen->answer, &answer);
@@ -116,15 +116,14 @@ static void payload_fills_the_mtu_and_no_more(void **state)
         union codec_message message;
         message_make(WIRE_SAMPLE_BATCH, &message);
         size_t bytes = wire_payload_max(wire, WIRE_SAMPLE_BATCH);
-        assert_int_equal(bytes % sizeof(double), 0);
-        int32_t count = (int32_t)(bytes / sizeof(double)) & ~1; // bounds come in pairs
-        static double bounds[WIRE_MTU_MAX / 8];
-        bounds[count - 1] = 3.25;
-        message.sample_batch.bounds = bounds;
-        message.sample_batch.bound_count = count;
+        const int32_t count = (int32_t)bytes;
+        static uint8_t text[WIRE_MTU_MAX];
+        text[count - 1] = 77;
+        message.sample_batch.text = text;
+        message.sample_batch.text_size = count;
         assert_int_equal(wire_publish(wire, WIRE_SAMPLE_BATCH, &message), STATUS_OK);
-        bounds[count - 1] = 0.0;
-        message.sample_batch.bound_count = count + 2;
+        text[count - 1] = 0;
+        message.sample_batch.text_size = count + 1;
         assert_int_equal(wire_publish(wire, WIRE_SAMPLE_BATCH, &message), STATUS_INVALID);
 
         message_make(WIRE_TEXT, &message);
@@ -137,7 +136,7 @@ static void payload_fills_the_mtu_and_no_more(void **state)
 
         assert_int_equal(wire_dispatch(wire, 100), 2);
         assert_int_equal(seen.count[WIRE_SAMPLE_BATCH], 1);
-        assert_true(seen.bounds_last == 3.25);
+        assert_int_equal(seen.text_last, 77);
         assert_int_equal(seen.count[WIRE_TEXT], 1);
         assert_int_equal(wire_payload_max(wire, WIRE_RUN_STATUS), 0);
         wire_close(wire);
@@ -152,9 +151,9 @@ static void invalid_message_is_not_sent(void **state)
     struct wire *wire = wire_all(&seen, WIRE_MTU_DEFAULT);
     union codec_message message;
     message_make(WIRE_SAMPLE_BATCH, &message);
-    message.sample_batch.bound_count = -1;
+    message.sample_batch.text_size = -1;
     assert_int_equal(wire_publish(wire, WIRE_SAMPLE_BATCH, &message), STATUS_INVALID);
-    message.sample_batch.bound_count = 0x20000001;
+    message.sample_batch.text_size = 0x20000001;
     assert_int_equal(wire_publish(wire, WIRE_SAMPLE_BATCH, &message), STATUS_INVALID);
     assert_int_equal(wire_dispatch(wire, 1), 0);
     wire_close(wire);

@@ -774,7 +774,7 @@ static void lies_are_found(void **state)
         "UPDATE step SET good = good + 1",
         "UPDATE step SET detail = 1",
         "UPDATE step SET detail = 99",
-        "UPDATE step SET sampling = 6",
+        "UPDATE step SET sampling = 99",
         "UPDATE step SET sampling = -1",
         "UPDATE step SET bounds = zeroblob(17)",
         "UPDATE step SET bounds = zeroblob(60000000)",

@@ -37,7 +37,8 @@ static void judge(const struct scenario *scenario, const struct search_request *
         for (uint8_t c = 0; c < 3; c++) {
             if (violations[c] > worst) {
                 worst = violations[c];
-                verdicts[i] = (struct verdict){verdict_violation(worst), c};
+                verdicts[i] =
+                    (struct verdict){.violation = verdict_violation(worst), .constraint = c};
             }
         }
     }

@@ -254,7 +254,7 @@ static void batches_cover_the_step_once(void **state)
     answer_all(MS / 10, MS / 20);
     for (size_t i = 0; i < desk.sent_count; i++) {
         struct batch_identity batch = desk.sent[i].batch;
-        assert_in_range(batch.count, 1, desk.settings.batch_samples_max);
+        assert_in_range(batch.count, 1, desk.settings.batch_samples_max[VERDICT_DETAIL_FULL]);
         for (uint32_t s = 0; s < batch.count; s++)
             covered[batch.first + s]++;
     }
@@ -325,10 +325,15 @@ static void share_only_batches_are_larger(void **state)
     warm_up(1, 100);
     happen((struct schedule_event){
         .kind = SCHEDULE_EVENT_STEP,
-        .step = {.search = 0, .step = 0, .samples = 100000, .share_only = true, .sample_ns = 1000},
+        .step = {.search = 0,
+                 .step = 0,
+                 .samples = 100000,
+                 .detail = VERDICT_DETAIL_SHARE,
+                 .sample_ns = 1000},
     });
-    assert_in_range(desk.sent[0].batch.count, desk.settings.batch_samples_max + 1,
-                    desk.settings.batch_verdicts_max);
+    assert_in_range(desk.sent[0].batch.count,
+                    desk.settings.batch_samples_max[VERDICT_DETAIL_FULL] + 1,
+                    desk.settings.batch_samples_max[VERDICT_DETAIL_SHARE]);
 }
 
 // As long as nobody knows what a sample takes, batches stay small: the model may be slow.
@@ -1240,7 +1245,7 @@ static void batches_of_many_searches_are_worth_a_message_for_each_worker(void **
 {
     (void)state;
     desk.settings.message_ns = 20000;
-    desk.settings.batch_samples_max = 10000;
+    desk.settings.batch_samples_max[VERDICT_DETAIL_FULL] = 10000;
     desk_reopen(&desk.settings);
     for (uint64_t worker = 1; worker <= 100; worker++)
         announce(worker);
@@ -1259,7 +1264,7 @@ static void batches_grow_with_the_workers(void **state)
 {
     (void)state;
     desk.settings.message_ns = 20000;
-    desk.settings.batch_samples_max = 65536;
+    desk.settings.batch_samples_max[VERDICT_DETAIL_FULL] = 65536;
     desk_reopen(&desk.settings);
     for (uint64_t worker = 1; worker <= 1000; worker++)
         announce(worker);

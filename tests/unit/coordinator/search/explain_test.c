@@ -371,7 +371,7 @@ static void foreign_steps_are_refused(void **state)
     struct explain *explain = &fixture.explain;
     explain_init(explain, &fixture.scenario, &fixture.box);
     const struct sampling sampling = {.samples = 2};
-    struct verdict verdicts[2] = {{0, 0}, {9, 2}};
+    struct verdict verdicts[2] = {{0}, {.violation = 9, .constraint = 2}};
     assert_false(explain_take(explain, &sampling, &fixture.box, verdicts));
     verdicts[1].constraint = 3; // of three
     struct box slab;

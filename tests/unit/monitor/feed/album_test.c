@@ -43,7 +43,7 @@ static void part_fill(uint8_t *at, uint32_t first, uint32_t window)
 // good, bad by constraint 2, good.
 static bool hear(struct album *album, int32_t step, uint32_t first, uint32_t window)
 {
-    static const struct verdict verdicts[SAMPLES] = {{0, 0}, {900, 2}, {0, 0}};
+    static const struct verdict verdicts[SAMPLES] = {{0}, {.violation = 900, .constraint = 2}, {0}};
     uint8_t packed[512];
     const size_t size =
         first == 0 ? verdict_pack(verdicts, SAMPLES, VERDICT_DETAIL_FULL, packed) : 0;

@@ -9,7 +9,8 @@
 #include <cmocka.h>
 
 static double lower[] = {0, 10, 5}, upper[] = {1, 20, 5};
-static struct verdict verdicts[] = {{0, 0}, {VERDICT_NON_FINITE, 1}, {1 << 14, 0}};
+static struct verdict verdicts[] = {
+    {0}, {.violation = VERDICT_NON_FINITE, .constraint = 1}, {.violation = 1 << 14}};
 
 static struct album_picture picture_make(void)
 {

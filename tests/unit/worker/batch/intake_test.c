@@ -84,14 +84,15 @@ static struct intake_batch batch_of(uint32_t index)
         .box = box.digest,
         .identity = {.step = 3, .batch = index, .first = index * 10, .count = 10},
         .sampling = {.seed = 1, .step = 3, .samples = 1000},
+        .variables = BOUND_COUNT / 2,
     };
 }
 
 static struct intake_batch batch_with_bounds(uint32_t index)
 {
     struct intake_batch batch = batch_of(index);
-    batch.bounds = bounds;
-    batch.bound_count = BOUND_COUNT;
+    batch.text = (const uint8_t *)bounds;
+    batch.text_size = sizeof bounds;
     return batch;
 }
 
@@ -153,7 +154,7 @@ static void assert_takes(struct intake *intake, uint32_t index)
     struct intake_work work;
     assert_true(intake_take(intake, &work));
     assert_int_equal(work.batch.identity.batch, index);
-    assert_null(work.batch.bounds);
+    assert_null(work.batch.text);
     assert_int_equal(work.scenario->design_space.count, BOUND_COUNT / 2);
     assert_int_equal(model_variable_count(work.model), BOUND_COUNT / 2);
     assert_memory_equal(work.box->lower, bounds, sizeof bounds / 2);
@@ -493,7 +494,7 @@ static void wrong_bounds_drop_the_batch(void **state)
     memcpy(wrong, bounds, sizeof bounds);
     wrong[0] = 1;
     struct intake_batch batch = batch_with_bounds(0);
-    batch.bounds = wrong;
+    batch.text = (const uint8_t *)wrong;
     assert_refused(intake, batch, STATUS_INVALID); // not those of the digest
 
     static const double bad[] = {5e5, NAN, INFINITY};
@@ -517,12 +518,13 @@ static void box_of_other_scenario_drops_the_batch(void **state)
     box_write(&small, small_bounds, G_N_ELEMENTS(small_bounds));
     struct intake_batch batch = batch_of(0);
     batch.box = small.digest;
+    batch.variables = G_N_ELEMENTS(small_bounds) / 2;
     assert_taken_in(intake, batch);
     assert_fed(intake, &small);
     assert_int_equal(feed(intake, &scenario, 0, scenario.size, 0), STATUS_INVALID);
     assert_int_equal(intake_queue(intake), 0);
-    batch.bounds = small_bounds;
-    batch.bound_count = G_N_ELEMENTS(small_bounds);
+    batch.text = (const uint8_t *)small_bounds;
+    batch.text_size = sizeof small_bounds;
     assert_refused(intake, batch, STATUS_INVALID);
     assert_taken_in(intake, batch_with_bounds(1)); // the scenario itself is good
     assert_takes(intake, 1);

@@ -87,12 +87,13 @@ static void send_batch_to(struct coordinator *coordinator, uint32_t index, bool 
         .step_samples = (int32_t)batch.sampling.samples,
         .sampling = SAMPLING_METHOD_UNIFORM,
         .detail = VERDICT_DETAIL_FULL,
+        .variables = (int32_t)(coordinator->bound_count / 2),
     };
     memcpy(message.scenario, coordinator->scenario_digest.bytes, DIGEST_SIZE);
     memcpy(message.box, coordinator->box_digest.bytes, DIGEST_SIZE);
     if (with_bounds) {
-        message.bound_count = (int32_t)coordinator->bound_count;
-        message.bounds = coordinator->bounds;
+        message.text_size = (int32_t)(coordinator->bound_count * sizeof *coordinator->bounds);
+        message.text = (uint8_t *)coordinator->bounds;
     }
     assert_int_equal(wire_publish(coordinator->wire, WIRE_SAMPLE_BATCH, &message), STATUS_OK);
 }
