@@ -48,6 +48,12 @@ const char *const scenario_sampling_words[] = {
     [SAMPLING_METHOD_SOBOL] = "sobol",
     NULL,
 };
+const char *const scenario_promise_words[] = {
+    [PROMISE_POINTS] = "points",
+    [PROMISE_CURVES] = "curves",
+    [PROMISE_EVERY] = "every",
+    NULL,
+};
 
 static const struct {
     const char *name;

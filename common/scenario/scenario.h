@@ -117,6 +117,7 @@ struct scenario_search {
     uint32_t certificate_samples;
     double target_purity; // in (0, 1)
     uint64_t seed;
+    enum promise promise;          // which designs of the box must be good
     enum sampling_method sampling; // of all steps but the certificate's, which are uniform
 
     uint32_t starts;      // starts to try, 0..SCENARIO_START_MAX; 0: as many as the search finds

@@ -9,5 +9,6 @@ extern const char *const scenario_integrator_words[];
 extern const char *const scenario_reloading_words[];
 extern const char *const scenario_response_words[];
 extern const char *const scenario_sampling_words[];
+extern const char *const scenario_promise_words[];
 
 #endif

@@ -31,12 +31,14 @@ static struct explore *current(struct search *search)
 static const struct box *standing(struct search *search)
 {
     const struct explore *explore = current(search);
+    if (search->every.box.count > 0)
+        return &search->every.box;
     return explore == NULL ? &search->seek.box : &explore->box;
 }
 
 // ---- what to sample next
 
-static void ask_requested(struct search *search, uint32_t samples, enum sampling_method method,
+void search_ask_requested(struct search *search, uint32_t samples, enum sampling_method method,
                           enum verdict_detail detail)
 {
     search->request = (struct search_request){
@@ -51,18 +53,19 @@ static void ask_requested(struct search *search, uint32_t samples, enum sampling
     };
 }
 
-static void ask(struct search *search, const struct box *box, uint32_t samples,
+void search_ask(struct search *search, const struct box *box, uint32_t samples,
                 enum sampling_method method, enum verdict_detail detail)
 {
     frame_widen(&search->frame, box, &search->requested);
-    ask_requested(search, samples, method, detail);
+    search_ask_requested(search, samples, method, detail);
 }
 
 // Just outside the next bound.
 static void ask_slab(struct search *search)
 {
     box_assign(&search->requested, explain_slab(&search->explain, search->explained));
-    ask_requested(search, search->explain_samples, SAMPLING_METHOD_UNIFORM, VERDICT_DETAIL_FULL);
+    search_ask_requested(search, search->explain_samples, SAMPLING_METHOD_UNIFORM,
+                         VERDICT_DETAIL_FULL);
 }
 
 // Whether a box holds one design only: it is looked at once.
@@ -78,28 +81,33 @@ static bool is_design(const struct box *box)
 static void ask_next(struct search *search)
 {
     const struct scenario_search *settings = &search->scenario->search;
+    if (search_every_active(search)) {
+        search_every_ask(search);
+        return;
+    }
     switch (search->phase) {
     case SEARCH_PHASE_SEEK:
-        ask(search, &search->seek.box, is_design(&search->seek.box) ? 1 : settings->samples,
-            SAMPLING_METHOD_LATIN_HYPERCUBE, VERDICT_DETAIL_FULL);
+        search_ask(search, &search->seek.box, is_design(&search->seek.box) ? 1 : settings->samples,
+                   SAMPLING_METHOD_LATIN_HYPERCUBE, VERDICT_DETAIL_FULL);
         break;
     case SEARCH_PHASE_EXPLORE:
-        ask(search, &current(search)->sampled, settings->samples, settings->sampling,
-            VERDICT_DETAIL_FULL);
+        search_ask(search, &current(search)->sampled, settings->samples, settings->sampling,
+                   VERDICT_DETAIL_FULL);
         break;
     case SEARCH_PHASE_CONSOLIDATE:
-        ask(search, &current(search)->sampled, search->samples, settings->sampling,
-            VERDICT_DETAIL_FULL);
+        search_ask(search, &current(search)->sampled, search->samples, settings->sampling,
+                   VERDICT_DETAIL_FULL);
         break;
     case SEARCH_PHASE_CERTIFY:
         // Clopper-Pearson holds for independent samples only.
         if (search->kind != DESIGN_KIND_POINTS) {
-            ask(search, &current(search)->box, search->kind_samples,
-                protocol_kind_method(search->kind), VERDICT_DETAIL_SHARE);
+            search_ask(search, &current(search)->box, search->kind_samples,
+                       protocol_kind_method(search->kind), VERDICT_DETAIL_SHARE);
             break;
         }
-        ask(search, &current(search)->box, settings->certificate_samples, SAMPLING_METHOD_UNIFORM,
-            settings->explain_samples > 0 ? VERDICT_DETAIL_FULL : VERDICT_DETAIL_SHARE);
+        search_ask(search, &current(search)->box, settings->certificate_samples,
+                   SAMPLING_METHOD_UNIFORM,
+                   settings->explain_samples > 0 ? VERDICT_DETAIL_FULL : VERDICT_DETAIL_SHARE);
         break;
     case SEARCH_PHASE_EXPLAIN:
         ask_slab(search);
@@ -115,7 +123,8 @@ static void recall(struct search *search, const struct verdict *verdicts)
 {
     const struct sampling *sampling = &search->request.sampling;
     search->good_count = verdict_good_count(verdicts, sampling->samples);
-    if (search->phase == SEARCH_PHASE_EXPLAIN || search->kind != DESIGN_KIND_POINTS)
+    if (search->phase == SEARCH_PHASE_EXPLAIN || search->kind != DESIGN_KIND_POINTS ||
+        search_every_active(search))
         return; // makes its own again, or is only counted
     // How badly a certificate's samples violate is known only when the box is to be explained, and
     // no box may depend on that.
@@ -137,7 +146,7 @@ static void count_verdicts(struct search *search, const struct verdict *verdicts
 {
     const uint32_t samples = search->request.sampling.samples;
     search->evaluations += samples;
-    if (search->request.detail != VERDICT_DETAIL_FULL)
+    if (search->request.detail == VERDICT_DETAIL_SHARE)
         return;
     const bool beside =
         search->phase == SEARCH_PHASE_CERTIFY || search->phase == SEARCH_PHASE_EXPLAIN;
@@ -162,7 +171,7 @@ static void finish(struct search *search, enum search_status status)
 }
 
 // There is a box, and it is final: what is left to do is to say what holds it.
-static void finish_box(struct search *search, enum search_status status)
+void search_finish_box(struct search *search, enum search_status status)
 {
     finish(search, status);
     if (search->scenario->search.explain_samples == 0)
@@ -242,6 +251,9 @@ static void start_explore(struct search *search)
 {
     plan_init(&search->plan, search->scenario, search->evaluations);
     uint32_t count = plan_starts(&search->plan);
+    if (search->scenario->search.promise == PROMISE_EVERY && search->scenario->search.starts == 0 &&
+        search->given.begin.count == 0)
+        count = (search->plan.exploration_steps + search->plan.consolidation_steps) / 20;
     struct cloud starts;
     cloud_init(&starts, search->frame.space.count);
     const bool begun = search->given.begin.count > 0;
@@ -250,6 +262,12 @@ static void start_explore(struct search *search)
         count--;
     }
     seek_starts(&search->seek, count, &starts);
+    if (search->scenario->search.promise == PROMISE_EVERY) {
+        search_every_start(search, &starts,
+                           search->plan.exploration_steps + search->plan.consolidation_steps);
+        cloud_fini(&starts);
+        return;
+    }
     search->tournament.demands = &search->demands;
     tournament_start(&search->tournament, &search->frame.space, &starts,
                      search->plan.exploration_steps);
@@ -381,7 +399,7 @@ static void complete_consolidate(struct search *search)
 
 // The next kind of designs that this model tells apart from points; DESIGN_KIND_COUNT: none is
 // left.
-static enum design_kind next_kind(const struct search *search)
+enum design_kind search_next_kind(const struct search *search)
 {
     const struct curve_map *curves = &search->scenario->curves;
     enum design_kind kind = search->kind;
@@ -406,9 +424,9 @@ static void end_certify(struct search *search, enum search_status status)
         search->kind_samples = each < search->kind_samples ? (uint32_t)each : search->kind_samples;
     }
     if (search->kind_samples > 0)
-        search->kind = next_kind(search);
+        search->kind = search_next_kind(search);
     else
-        finish_box(search, status);
+        search_finish_box(search, status);
 }
 
 // One look, at the box as it is: it changes nothing, so no other look has to be counted.
@@ -416,11 +434,11 @@ static void complete_kind(struct search *search)
 {
     const uint32_t samples = search->request.sampling.samples;
     certificate_look_once(&search->kinds[search->kind], samples, samples - search->good_count);
-    search->kind = next_kind(search);
+    search->kind = search_next_kind(search);
     if ((uint32_t)search->kind < DESIGN_KIND_COUNT)
         return;
     search->kind = DESIGN_KIND_POINTS;
-    finish_box(search, search->certified);
+    search_finish_box(search, search->certified);
 }
 
 static void complete_certify(struct search *search)
@@ -469,16 +487,8 @@ static void note_step(struct search *search, enum search_phase phase, double gro
     };
 }
 
-void search_complete(struct search *search, const struct verdict *verdicts)
+static void complete_phase(struct search *search, enum search_phase phase)
 {
-    assert(search->phase != SEARCH_PHASE_DONE);
-    const enum search_phase phase = search->phase;
-    const double growth = phase == SEARCH_PHASE_EXPLORE ? current(search)->rate : 0;
-    count_verdicts(search, verdicts);
-    recall(search, verdicts);
-    if (phase != SEARCH_PHASE_EXPLAIN && search->kind == DESIGN_KIND_POINTS)
-        remember(search);
-    search->step++;
     switch (phase) {
     case SEARCH_PHASE_SEEK:
         complete_seek(search);
@@ -498,6 +508,23 @@ void search_complete(struct search *search, const struct verdict *verdicts)
     case SEARCH_PHASE_DONE:
         break;
     }
+}
+
+void search_complete(struct search *search, const struct verdict *verdicts)
+{
+    assert(search->phase != SEARCH_PHASE_DONE);
+    const enum search_phase phase = search->phase;
+    const bool every = search_every_active(search);
+    const double growth = phase == SEARCH_PHASE_EXPLORE && !every ? current(search)->rate : 0;
+    count_verdicts(search, verdicts);
+    recall(search, verdicts);
+    if (phase != SEARCH_PHASE_EXPLAIN && search->kind == DESIGN_KIND_POINTS && !every)
+        remember(search);
+    search->step++;
+    if (every)
+        search_every_complete(search, verdicts);
+    else
+        complete_phase(search, phase);
     frame_widen(&search->frame, standing(search), &search->result);
     note_step(search, phase, growth);
     ask_next(search);
@@ -537,6 +564,7 @@ void search_free(struct search *search)
 {
     if (search == NULL)
         return;
+    search_every_fini(&search->every);
     tournament_fini(&search->tournament);
     consolidate_fini(&search->consolidate);
     demands_fini(&search->demands);

@@ -11,6 +11,7 @@
 #include "coordinator/search/plan.h"
 #include "coordinator/search/recall.h"
 #include "coordinator/search/search.h"
+#include "coordinator/search/search_every.h"
 #include "coordinator/search/seek.h"
 #include "coordinator/search/stagnation.h"
 #include "coordinator/search/tournament.h"
@@ -47,6 +48,7 @@ struct search {
     struct seek seek;
     uint64_t blocked[256]; // bad samples of the seek by worst constraint
 
+    struct search_every every; // in place of what follows, where that is promised
     struct tournament tournament;
     struct consolidate consolidate;
     uint32_t samples; // a step of consolidation
@@ -74,5 +76,17 @@ struct search {
 
     struct box result; // all variables
 };
+
+// Asks for samples of a box: of all variables, as it stands in `requested`, or of the free ones.
+void search_ask_requested(struct search *search, uint32_t samples, enum sampling_method method,
+                          enum verdict_detail detail);
+void search_ask(struct search *search, const struct box *box, uint32_t samples,
+                enum sampling_method method, enum verdict_detail detail);
+
+// The kind of designs that is looked at after the present one; DESIGN_KIND_COUNT: none is left.
+enum design_kind search_next_kind(const struct search *search);
+
+// There is a box, and it is final: what is left to do is to say what holds it.
+void search_finish_box(struct search *search, enum search_status status);
 
 #endif

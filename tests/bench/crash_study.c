@@ -109,6 +109,7 @@ static struct search *study_search(const struct scenario *scenario, struct searc
         const struct batch batch = {
             .sampling = request.sampling,
             .count = request.sampling.samples,
+            .detail = request.detail,
         };
         g_autofree struct verdict *verdicts = g_new(struct verdict, batch.count);
         batch_evaluate(scenario, model, request.box, &batch, STUDY_THREADS, verdicts);

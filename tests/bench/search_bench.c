@@ -251,7 +251,8 @@ static void run_search(const struct scenario *scenario, const struct model *mode
         }
         found->evaluations += spent ? 0 : request.sampling.samples;
         const struct batch batch = {.sampling = request.sampling,
-                                    .count = request.sampling.samples};
+                                    .count = request.sampling.samples,
+                                    .detail = request.detail};
         verdicts = g_renew(struct verdict, verdicts, batch.count);
         batch_evaluate(scenario, model, request.box, &batch, 1, verdicts);
         const int64_t start = thread_ns();

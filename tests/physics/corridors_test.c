@@ -63,7 +63,8 @@ static void corridors_find(struct corridors *found, enum car car, enum response 
     struct search_request request;
     while (search_request(found->search, &request)) {
         const struct batch batch = {.sampling = request.sampling,
-                                    .count = request.sampling.samples};
+                                    .count = request.sampling.samples,
+                                    .detail = request.detail};
         struct verdict *verdicts = calloc(batch.count, sizeof *verdicts);
         batch_evaluate(&found->scenario, model, request.box, &batch, 2, verdicts);
         search_complete(found->search, verdicts);

@@ -55,7 +55,8 @@ static struct found find_box(const char *name, const char *target_purity, const 
     struct search_request request;
     while (search_request(found.search, &request)) {
         const struct batch batch = {.sampling = request.sampling,
-                                    .count = request.sampling.samples};
+                                    .count = request.sampling.samples,
+                                    .detail = request.detail};
         struct verdict *verdicts = g_new(struct verdict, batch.count);
         batch_evaluate(&found.scenario, model, request.box, &batch, 2, verdicts);
         search_complete(found.search, verdicts);

@@ -1,0 +1,204 @@
+// Design notes. The cutting sets know what they attacked, and no more: a box that is the widest
+// under all limits found so far lies where the next attack has not been. So before a box is
+// certified it stands still and is attacked by many fresh scouts; what breaks it becomes a limit,
+// and the box is mended: it is moved a few steps with a greater tolerance. Then it is attacked
+// again. The certificates' samples are one more attack: a bad one among them is a limit too.
+#include "coordinator/search/search_every.h"
+
+#include "coordinator/search/search_state.h"
+
+#include "common/sampling/sampling.h"
+
+#include <assert.h>
+#include <glib.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    EVERY_ATTACK_STEPS = 24, // on a box before it is certified
+    EVERY_MEND_STEPS = 12,
+    EVERY_MENDS = 12,        // at most
+    EVERY_STEPS_A_START = 8, // at least
+};
+
+// ---- asking
+
+static struct cutting_set *set_of(struct search *search)
+{
+    return robust_current(&search->every.robust);
+}
+
+bool search_every_active(const struct search *search)
+{
+    return search->every.stage != EVERY_NONE;
+}
+
+static void ask_attack(struct search *search)
+{
+    struct cutting_set *set = set_of(search);
+    const struct moves *moves = adversary_moves(&set->adversary);
+    box_assign(&search->requested, cutting_set_box(set));
+    const uint32_t per_attack = moves_count(&search->scenario->curves, &search->requested);
+    search_ask_requested(search, moves->attacks * per_attack, SAMPLING_METHOD_MOVES,
+                         VERDICT_DETAIL_MARGIN);
+    search->request.sampling.moves = moves;
+}
+
+void search_every_ask(struct search *search)
+{
+    if (search->every.stage != EVERY_CERTIFY) {
+        ask_attack(search);
+        return;
+    }
+    search_ask(search, &search->every.box, search->scenario->search.certificate_samples,
+               protocol_kind_method(search->kind), VERDICT_DETAIL_MARGIN);
+}
+
+// ---- from stage to stage
+
+static void enter(struct search *search, enum search_every_stage stage, enum search_phase phase)
+{
+    search->every.stage = stage;
+    search->every.stage_steps = 0;
+    search->phase = phase;
+}
+
+void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps)
+{
+    struct search_every *every = &search->every;
+    struct cloud few = *starts;
+    const uint32_t most = steps / EVERY_STEPS_A_START > 1 ? steps / EVERY_STEPS_A_START : 1;
+    few.count = few.count < most ? few.count : most;
+    box_init(&every->box, search->frame.space.count);
+    box_init(&every->worst, search->frame.all.count);
+    robust_init(&every->robust, &search->frame, &search->demands, &search->scenario->curves,
+                search->scenario->constraint_count, search->seed, &few, steps);
+    cutting_set_centre(set_of(search), &every->box);
+    enter(search, EVERY_GROW, SEARCH_PHASE_EXPLORE);
+}
+
+static void end(struct search *search, enum search_status status)
+{
+    search->every.stage = EVERY_NONE;
+    search->kind = DESIGN_KIND_POINTS;
+    search_finish_box(search, status);
+}
+
+static void attack(struct search *search)
+{
+    search->every.margin = INFINITY;
+    cutting_set_stand(set_of(search));
+    enter(search, EVERY_ATTACK, SEARCH_PHASE_CERTIFY);
+}
+
+// A bad design was found in the box.
+static void mend(struct search *search)
+{
+    if (search->every.mends++ == EVERY_MENDS) {
+        end(search, SEARCH_STATUS_PURITY_MISSED);
+        return;
+    }
+    search->kind = DESIGN_KIND_POINTS;
+    cutting_set_mend(set_of(search));
+    enter(search, EVERY_MEND, SEARCH_PHASE_CONSOLIDATE);
+}
+
+// ---- what came of a step
+
+// The design of a sample, as a box without width.
+static void note_worst(struct search *search, uint32_t sample, double margin)
+{
+    struct search_every *every = &search->every;
+    if (!(margin < every->margin))
+        return;
+    every->margin = margin;
+    sampling_pick(&search->request.sampling, &search->requested, &sample, 1, every->worst.lower, 1);
+    memcpy(every->worst.upper, every->worst.lower, every->worst.count * sizeof *every->worst.upper);
+}
+
+static void complete_attack(struct search *search, const struct verdict *verdicts)
+{
+    struct search_every *every = &search->every;
+    struct adversary_report *report = &every->robust.report;
+    every->stage_steps++;
+    every->attacks += search->request.sampling.samples;
+    if (every->stage == EVERY_GROW) {
+        const bool spent = robust_complete(&every->robust, &search->request.sampling, verdicts);
+        search->phase = every->robust.round < 2 ? SEARCH_PHASE_EXPLORE : SEARCH_PHASE_CONSOLIDATE;
+        if (spent)
+            attack(search);
+        return;
+    }
+    cutting_set_complete(set_of(search), &search->request.sampling, verdicts, report);
+    if (every->stage == EVERY_ATTACK)
+        note_worst(search, report->worst, report->margin);
+    if (every->stage == EVERY_MEND && every->stage_steps == EVERY_MEND_STEPS)
+        attack(search);
+    else if (every->stage == EVERY_ATTACK && report->bad > 0)
+        mend(search);
+    else if (every->stage == EVERY_ATTACK && every->stage_steps == EVERY_ATTACK_STEPS)
+        enter(search, EVERY_CERTIFY, SEARCH_PHASE_CERTIFY);
+}
+
+// Makes an attack of a sample of a certificate.
+static void attack_by(struct search *search, uint32_t sample, const struct verdict *verdict)
+{
+    g_autofree double *values = g_new(double, search->frame.all.count);
+    g_autofree uint8_t *levels = g_new(uint8_t, search->frame.space.count + 1);
+    sampling_pick(&search->request.sampling, &search->requested, &sample, 1, values, 1);
+    for (uint32_t f = 0; f < search->frame.space.count; f++) {
+        const uint32_t v = search->frame.variables[f];
+        const double lower = search->requested.lower[v], upper = search->requested.upper[v];
+        levels[f] = (uint8_t)lround((values[v] - lower) / (upper - lower) * MOVES_LEVEL_MAX);
+    }
+    adversary_add(&set_of(search)->adversary, levels, verdict->constraint, (double)verdict->margin);
+}
+
+static void complete_kind(struct search *search, const struct verdict *verdicts)
+{
+    const uint32_t samples = search->request.sampling.samples;
+    const uint32_t bad = samples - search->good_count;
+    struct certificate *certificate =
+        search->kind == DESIGN_KIND_POINTS ? &search->certificate : &search->kinds[search->kind];
+    certificate_look(certificate, samples, bad);
+    uint32_t taken = 0;
+    for (uint32_t i = 0; i < samples; i++) {
+        note_worst(search, i, (double)verdicts[i].margin);
+        if (verdicts[i].violation != VERDICT_GOOD && taken++ < ADVERSARY_SCOUTS)
+            attack_by(search, i, &verdicts[i]);
+    }
+    if (bad > 0 && certificate->looks < CERTIFICATE_LOOKS) {
+        mend(search);
+        return;
+    }
+    search->kind = search_next_kind(search);
+    if ((uint32_t)search->kind < DESIGN_KIND_COUNT)
+        return;
+    const bool every_good = search->every.margin >= 0;
+    bool certified = every_good;
+    for (int kind = DESIGN_KIND_POINTS; kind < DESIGN_KIND_COUNT; kind++) {
+        const struct certificate *of_kind =
+            kind == DESIGN_KIND_POINTS ? &search->certificate : &search->kinds[kind];
+        certified = certified && (of_kind->looks == 0 ||
+                                  of_kind->lower95 >= search->scenario->search.target_purity);
+    }
+    end(search, certified ? SEARCH_STATUS_DONE : SEARCH_STATUS_PURITY_MISSED);
+}
+
+void search_every_complete(struct search *search, const struct verdict *verdicts)
+{
+    assert(search_every_active(search));
+    if (search->every.stage == EVERY_CERTIFY)
+        complete_kind(search, verdicts);
+    else
+        complete_attack(search, verdicts);
+    cutting_set_centre(set_of(search), &search->every.box);
+}
+
+void search_every_fini(struct search_every *every)
+{
+    robust_fini(&every->robust);
+    box_fini(&every->box);
+    box_fini(&every->worst);
+    *every = (struct search_every){0};
+}

@@ -1,0 +1,48 @@
+// The part of a search that keeps the promise "every" (promise in common/protocol/protocol.h): a
+// box without a bad design, attacked before it is certified. Inside this folder only.
+//
+//     seek -> robust (explore, then consolidate) -> attack -> certify each kind -> done
+//                            ^                        | bad        | bad
+//                            +------- mend -----------+------------+
+#ifndef SOBOX_COORDINATOR_SEARCH_SEARCH_EVERY_H
+#define SOBOX_COORDINATOR_SEARCH_SEARCH_EVERY_H
+
+#include "coordinator/search/robust.h"
+
+struct search;
+
+enum search_every_stage {
+    EVERY_NONE, // not begun, or another promise
+    EVERY_GROW,
+    EVERY_ATTACK,
+    EVERY_CERTIFY,
+    EVERY_MEND,
+};
+
+struct search_every {
+    enum search_every_stage stage;
+    struct robust robust;
+    struct box box;       // free variables: the best one so far
+    uint32_t stage_steps; // finished in this stage
+    uint32_t mends;       // so far
+    double margin;        // least margin found in the box by the attack that came last
+    struct box worst;     // all variables: the design that has it, lower equal to upper
+    uint64_t attacks;     // samples of adversarial steps
+};
+
+// Begins with these starts (free variables).
+void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps);
+
+// Whether the promise is being worked on; then what to sample next, and the verdicts, are its.
+bool search_every_active(const struct search *search);
+
+// Asks for the next step.
+void search_every_ask(struct search *search);
+
+// What of the finished step is reported and the next stage.
+void search_every_complete(struct search *search, const struct verdict *verdicts);
+
+// Releases. A zeroed struct is fine.
+void search_every_fini(struct search_every *every);
+
+#endif
