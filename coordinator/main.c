@@ -228,7 +228,7 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "DIR"},
         {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
          "Override a key of the scenario, for instance response=rotating or "
-         "springs.0.force_y.upper=2e5; may be repeated",
+         "springs.front.force_y.upper=2e5; may be repeated",
          "KEY.PATH=VALUE"},
         {"seed", 0, 0, G_OPTION_ARG_STRING, &options->seed,
          "Seed of the random numbers: short for --set search.seed=SEED", "SEED"},

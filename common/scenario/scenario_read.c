@@ -199,11 +199,13 @@ static bool read_case(const struct tree *tree, const struct tree_node *node,
     static const char *const without[] = {"cases", "search", NULL};
     if (!read_case_name(node, scenario, index, error) || !refuse_keys_of_all_cases(node, error))
         return false;
-    struct tree *overlaid = tree_overlay(tree, node, without, error);
-    if (overlaid == NULL)
-        return false;
+    struct tree *overlaid = tree_copy(tree, without);
     struct document document = {0};
-    bool read = read_document(tree_root(overlaid), &document, error);
+    bool read = true;
+    for (uint32_t i = 0; i < node->count && read; i++)
+        read =
+            tree_overlay(overlaid, node->keys[i], node->items[i], TREE_MERGE, error) == STATUS_OK;
+    read = read && read_document(tree_root(overlaid), &document, error);
     if (!read)
         name_case(error, tree_child(node, "name")->text);
     tree_free(overlaid);
@@ -267,43 +269,48 @@ static bool keep_text(const struct tree *tree, struct scenario *scenario, struct
     return false;
 }
 
-// Reads the scenario out of the tree, which is freed; a NULL tree is an error that is told already.
-static enum status read_tree(struct scenario *scenario, struct tree *tree,
-                             const char *const *overrides, size_t override_count,
-                             struct error *error)
+enum status scenario_read_tree(struct scenario *scenario, const struct tree *tree,
+                               struct error *error)
 {
+    struct error unread;
+    error = error != NULL ? error : &unread;
     struct document document = {0};
-    bool read = tree != NULL;
-    for (size_t i = 0; i < override_count && read; i++)
-        read = tree_set(tree, overrides[i], error) == STATUS_OK;
-    if (read) {
-        read = read_document(tree_root(tree), &document, error) &&
-               (document.cases == NULL ||
-                read_cases(tree, document.cases, &document.scenario, error)) &&
-               keep_text(tree, &document.scenario, error);
-    }
+    const bool read =
+        read_document(tree_root(tree), &document, error) &&
+        (document.cases == NULL || read_cases(tree, document.cases, &document.scenario, error)) &&
+        keep_text(tree, &document.scenario, error);
     if (!read)
         scenario_fini(&document.scenario);
-    tree_free(tree);
     *scenario = document.scenario;
     return read ? STATUS_OK : error->status;
+}
+
+// Reads the scenario out of the tree, which is freed; a NULL tree is an error that is told already.
+static enum status read_overridden(struct scenario *scenario, struct tree *tree,
+                                   const char *const *overrides, size_t override_count,
+                                   struct error *error)
+{
+    *scenario = (struct scenario){0};
+    enum status status = tree != NULL ? STATUS_OK : STATUS_INVALID;
+    for (size_t i = 0; i < override_count && status == STATUS_OK; i++)
+        status = tree_set(tree, overrides[i], error);
+    if (status == STATUS_OK)
+        status = scenario_read_tree(scenario, tree, error);
+    tree_free(tree);
+    return status;
 }
 
 enum status scenario_read_file(struct scenario *scenario, const char *path,
                                const char *const *overrides, size_t override_count,
                                struct error *error)
 {
-    struct error unread;
-    error = error != NULL ? error : &unread;
-    return read_tree(scenario, tree_load(path, error), overrides, override_count, error);
+    return read_overridden(scenario, tree_load(path, error), overrides, override_count, error);
 }
 
 enum status scenario_read_text(struct scenario *scenario, const char *source, const char *text,
                                size_t text_size, const char *const *overrides,
                                size_t override_count, struct error *error)
 {
-    struct error unread;
-    error = error != NULL ? error : &unread;
-    return read_tree(scenario, tree_parse(source, text, text_size, error), overrides,
-                     override_count, error);
+    return read_overridden(scenario, tree_parse(source, text, text_size, error), overrides,
+                           override_count, error);
 }

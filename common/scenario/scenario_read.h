@@ -5,12 +5,13 @@
 
 #include "common/base/error.h"
 #include "common/scenario/scenario.h"
+#include "common/scenario/tree.h"
 
 // Reads a scenario file. `overrides` (override_count) are "key.path=value" as given to --set: a
-// path of keys and list indexes ("springs.0.length=1.3"), and a YAML value; they may add optional
-// keys. On success the scenario is filled and the caller releases it; else it is left zeroed.
-// Errors: STATUS_INVALID, also for a file that cannot be read: to the user a wrong name is one more
-// wrong input.
+// path of keys and names or indexes of list items ("springs.front.length=1.3"), and a YAML value;
+// they may add optional keys. On success the scenario is filled and the caller releases it; else it
+// is left zeroed. Errors: STATUS_INVALID, also for a file that cannot be read: to the user a wrong
+// name is one more wrong input.
 enum status scenario_read_file(struct scenario *scenario, const char *path,
                                const char *const *overrides, size_t override_count,
                                struct error *error) MUST_USE;
@@ -20,5 +21,9 @@ enum status scenario_read_file(struct scenario *scenario, const char *path,
 enum status scenario_read_text(struct scenario *scenario, const char *source, const char *text,
                                size_t text_size, const char *const *overrides,
                                size_t override_count, struct error *error) MUST_USE;
+
+// The same from a tree, which stays the caller's.
+enum status scenario_read_tree(struct scenario *scenario, const struct tree *tree,
+                               struct error *error) MUST_USE;
 
 #endif

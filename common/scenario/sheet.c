@@ -130,6 +130,7 @@ static enum status read_cell(struct reader *reader)
     enum status status = quoted ? read_quoted(reader, &cell) : read_plain(reader);
     if (status != STATUS_OK)
         return status;
+    cell.column += quoted ? 1 : 0;
     cell.text = g_strdup(reader->text->str);
     g_array_append_val(reader->cells, cell);
     return STATUS_OK;

@@ -18,7 +18,7 @@ enum {
 struct sheet_cell {
     char *text;      // UTF-8 without control characters; never NULL
     uint32_t line;   // of the file, 1 is the first
-    uint32_t column; // 1 is the first character
+    uint32_t column; // at which the text begins, behind a quote; 1 is the first character
 };
 
 struct sheet {

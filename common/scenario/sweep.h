@@ -13,12 +13,13 @@
 //     replicates: 20                # seeds: the base's search.seed and those that follow it
 //
 // The cases are the grid over all axes: the first axis changes slowest, the replicates fastest. A
-// path may be any key of the scenario, whole lists and mappings too. A case is named by what makes
-// it: "mass=1500,response=any,seed=3", each path by its last key where that tells it apart; values
-// that are long or no scalars by their place in their axis ("force_x=#2").
+// path may be any key of the scenario, as for --set, whole lists and mappings too. A case is named
+// by what makes it: "mass=1500,response=any,seed=3", each path by its last key where that tells it
+// apart; values that are long or no scalars by their place in their axis ("force_x=#2").
 //
-// Everything stays text until a case is asked for, so a sweep of many cases costs little memory,
-// and a case means exactly what its base means with the same --set options: the same digest.
+// The base is read once, as a tree. A case is a copy of it with the values laid over, made when it
+// is asked for, so a sweep of many cases costs little memory, and a case means exactly what its
+// base means with the same --set options: the same digest.
 #ifndef SOBOX_COMMON_SCENARIO_SWEEP_H
 #define SOBOX_COMMON_SCENARIO_SWEEP_H
 

@@ -180,6 +180,45 @@ bool tree_find_key(const struct tree_node *node, const char *key, uint32_t *inde
     return false;
 }
 
+bool tree_find_item(const struct tree_node *node, const char *step, uint32_t *index)
+{
+    guint64 number;
+    if (node->kind != TREE_SEQUENCE || node->count == 0)
+        return false;
+    if (g_ascii_string_to_unsigned(step, 10, 0, node->count - 1, &number, NULL)) {
+        *index = (uint32_t)number;
+        return true;
+    }
+    for (uint32_t i = 0; i < node->count; i++) {
+        const struct tree_node *name = tree_child(node->items[i], "name");
+        if (name != NULL && name->kind == TREE_SCALAR && strcmp(name->text, step) == 0) {
+            *index = i;
+            return true;
+        }
+    }
+    return false;
+}
+
+char *tree_resolve(const struct tree *tree, const char *path)
+{
+    const struct tree_node *node = tree->root;
+    GString *resolved = g_string_new(NULL);
+    char **steps = g_strsplit(path, ".", -1);
+    for (char **step = steps; *step != NULL; step++) {
+        uint32_t index = 0;
+        const bool item = node != NULL && tree_find_item(node, *step, &index);
+        g_string_append(resolved, step > steps ? "." : "");
+        if (item)
+            g_string_append_printf(resolved, "%u", index);
+        else
+            g_string_append(resolved, *step);
+        if (node != NULL)
+            node = item ? node->items[index] : tree_child(node, *step);
+    }
+    g_strfreev(steps);
+    return g_string_free(resolved, FALSE);
+}
+
 const struct tree_node *tree_child(const struct tree_node *node, const char *key)
 {
     uint32_t index;

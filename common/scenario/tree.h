@@ -43,6 +43,10 @@ struct tree;
 // NULL and fills `error` (STATUS_INVALID) when the text is not acceptable. The caller frees it.
 struct tree *tree_parse(const char *source, const char *text, size_t size, struct error *error);
 
+// The same of a text that stands at a node's place, where messages are to point at.
+struct tree *tree_parse_at(const struct tree_node *place, const char *text, size_t size,
+                           struct error *error);
+
 // The same from a file. One that cannot be read is STATUS_INVALID too.
 struct tree *tree_load(const char *path, struct error *error);
 
@@ -50,28 +54,44 @@ void tree_free(struct tree *tree);
 
 const struct tree_node *tree_root(const struct tree *tree);
 
-// Replaces or adds one value: "springs.0.length=1.3". The path consists of keys and, in sequences,
-// of indexes from 0; what follows the first '=' is YAML. Mappings on the way that do not exist are
-// made, items of sequences are not. A key with a dot in it can only be set with its whole mapping.
-// Pointers to nodes that were replaced are no longer valid.
-// Errors: STATUS_INVALID.
+// How a value is laid over a mapping or a list that is there already.
+enum tree_manner {
+    TREE_REPLACE, // The value takes its place.
+    TREE_MERGE    // A mapping changes it key by key; any other value takes its place.
+};
+
+// Lays a value over the tree: the one way in which anything is changed, be it by --set, by a case
+// or by a sweep. `path` is a scalar with the path in it, "springs.front.length", and messages about
+// the path point at it. A path consists of keys and, in lists, of names that the items have under
+// `name`, or of indexes from 0. Mappings on the way that do not exist are made, items of lists are
+// not. A key with a dot in it can only be set with its whole mapping. Merging, the keys of the
+// mappings within `value` lead on in the same way.
+//
+// The value is copied and its nodes keep their places, so that messages about it point at where it
+// was given; its texts are borrowed for the life of the tree. Pointers to nodes that were replaced
+// are no longer valid. A refused path leaves the tree as it was; of a value that is merged the part
+// before the refused one may be in place. Errors: STATUS_INVALID.
+enum status tree_overlay(struct tree *tree, const struct tree_node *path,
+                         const struct tree_node *value, enum tree_manner manner,
+                         struct error *error) MUST_USE;
+
+// Replaces or adds one value as given to --set: "springs.front.length=1.3". What follows the first
+// '=' is YAML. Errors: STATUS_INVALID; the tree is as it was.
 enum status tree_set(struct tree *tree, const char *assignment, struct error *error) MUST_USE;
+
+// A copy without those keys of the root that are given in `without` (ends with NULL). It borrows
+// the texts of `tree` and is freed before it.
+struct tree *tree_copy(const struct tree *tree, const char *const *without);
+
+// The path with indexes in place of the names of items, as far as the tree has what it leads to:
+// two paths of one value give the same text. Released with g_free().
+char *tree_resolve(const struct tree *tree, const char *path);
 
 // The value of that key, or NULL when the mapping has none or the node is not a mapping.
 const struct tree_node *tree_child(const struct tree_node *node, const char *key);
 
 // The same, or the mapping itself when it has no such key: where to point at.
 const struct tree_node *tree_spot(const struct tree_node *mapping, const char *key);
-
-// A copy of the tree with the mapping `overrides`, a node of it, laid over its root; keys given in
-// `without` (ends with NULL) are left out of the copy. The first level's keys are paths as those of
-// tree_set(): "vehicle.mass", "springs.0.position". A mapping is laid over a mapping key by key,
-// and over a list item by item: its keys are indexes, or names that the items have under `name`.
-// Anything else replaces what is there. Nodes keep their lines and columns, so messages point at
-// the override. The copy borrows from `tree` and is freed before it. Returns NULL with `error`
-// filled (STATUS_INVALID).
-struct tree *tree_overlay(const struct tree *tree, const struct tree_node *overrides,
-                          const char *const *without, struct error *error);
 
 // The canonical text: block style, sequences of scalars on one line, comments gone, keys in file
 // order. Parsing it gives the same tree and the same text again. With its NUL, which `size` does

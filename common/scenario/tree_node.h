@@ -25,16 +25,23 @@ struct tree_node *tree_node_create(struct tree *tree, enum tree_kind kind, const
 // Releases a node and all below it. NULL is fine.
 void tree_node_free(struct tree_node *node);
 
+// A copy with all that is below. Texts are borrowed.
+struct tree_node *tree_copy_node(const struct tree_node *node, const struct tree_node *parent);
+
 // Adds an item, which the node owns from now on. `key` is NULL in sequences.
 void tree_node_append(struct tree_node *node, struct tree_node *key, struct tree_node *value);
 
 // Which entry of a mapping has this key. False when none has, or `node` is not a mapping.
 bool tree_find_key(const struct tree_node *node, const char *key, uint32_t *index);
 
-// Parses `text` into nodes that belong to `tree` and will hang below `parent` at `depth`. NULL with
-// `error` filled (STATUS_INVALID).
-struct tree_node *tree_parse_below(struct tree *tree, const char *source, const char *text,
-                                   size_t size, const struct tree_node *parent, uint32_t depth,
+// Which item of a list `step` means: one that has it as `name`, or as index. False when none has,
+// or `node` is not a list.
+bool tree_find_item(const struct tree_node *node, const char *step, uint32_t *index);
+
+// Parses `text`, which stands at `place`, into nodes that belong to `tree` and will hang at
+// `depth`. NULL with `error` filled (STATUS_INVALID).
+struct tree_node *tree_parse_below(struct tree *tree, const struct tree_node *place,
+                                   const char *text, size_t size, uint32_t depth,
                                    struct error *error);
 
 // A plain scalar's text as the tree keeps it: YAML has three spellings of nothing, and the

@@ -11,6 +11,7 @@ struct builder {
     struct tree *tree;
     yaml_parser_t parser;
     const char *source;
+    uint32_t line, column; // in `source` at which the text begins, from 0
     const char *text;
     struct error *error;
     bool failed;
@@ -22,6 +23,17 @@ static bool build_node(struct builder *builder, const yaml_event_t *event,
 static bool fail(struct builder *builder, const yaml_mark_t *mark, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+// The text's line and column in what it stands in, from 1.
+static uint32_t line_of(const struct builder *builder, const yaml_mark_t *mark)
+{
+    return builder->line + (uint32_t)mark->line + 1;
+}
+
+static uint32_t column_of(const struct builder *builder, const yaml_mark_t *mark)
+{
+    return (mark->line == 0 ? builder->column : 0) + (uint32_t)mark->column + 1;
+}
+
 static bool fail(struct builder *builder, const yaml_mark_t *mark, const char *format, ...)
 {
     char message[ERROR_TEXT_SIZE];
@@ -29,8 +41,8 @@ static bool fail(struct builder *builder, const yaml_mark_t *mark, const char *f
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    tree_error_at(builder->error, builder->source, (uint32_t)mark->line + 1,
-                  (uint32_t)mark->column + 1, message);
+    tree_error_at(builder->error, builder->source, line_of(builder, mark), column_of(builder, mark),
+                  message);
     builder->failed = true;
     return false;
 }
@@ -193,8 +205,8 @@ static bool build_node(struct builder *builder, const yaml_event_t *event,
                           : event->type == YAML_SEQUENCE_START_EVENT ? TREE_SEQUENCE
                                                                      : TREE_MAPPING;
     struct tree_node *node =
-        tree_node_create(builder->tree, kind, builder->source, (uint32_t)event->start_mark.line + 1,
-                         (uint32_t)event->start_mark.column + 1, parent);
+        tree_node_create(builder->tree, kind, builder->source, line_of(builder, &event->start_mark),
+                         column_of(builder, &event->start_mark), parent);
     bool done = kind == TREE_SCALAR     ? build_scalar(builder, event, node)
                 : kind == TREE_SEQUENCE ? build_sequence(builder, node, depth)
                                         : build_mapping(builder, node, depth);
@@ -207,8 +219,7 @@ static bool build_node(struct builder *builder, const yaml_event_t *event,
 }
 
 // STREAM-START DOCUMENT-START node DOCUMENT-END STREAM-END, and nothing else.
-static struct tree_node *build_document(struct builder *builder, const struct tree_node *parent,
-                                        uint32_t depth)
+static struct tree_node *build_document(struct builder *builder, uint32_t depth)
 {
     struct tree_node *root = NULL;
     bool done = false;
@@ -228,7 +239,7 @@ static struct tree_node *build_document(struct builder *builder, const struct tr
             done = true;
             break;
         default:
-            build_node(builder, &event, parent, depth, &root);
+            build_node(builder, &event, NULL, depth, &root);
         }
         yaml_event_delete(&event);
     }
@@ -273,13 +284,15 @@ static bool refuse_directives(struct builder *builder, size_t size)
                 "with '%%'");
 }
 
-struct tree_node *tree_parse_below(struct tree *tree, const char *source, const char *text,
-                                   size_t size, const struct tree_node *parent, uint32_t depth,
+struct tree_node *tree_parse_below(struct tree *tree, const struct tree_node *place,
+                                   const char *text, size_t size, uint32_t depth,
                                    struct error *error)
 {
     struct builder builder = {
         .tree = tree,
-        .source = g_string_chunk_insert_const(tree->strings, source),
+        .source = g_string_chunk_insert_const(tree->strings, place->source),
+        .line = place->line - 1,
+        .column = place->column - 1,
         .text = text,
         .error = error,
     };
@@ -300,19 +313,26 @@ struct tree_node *tree_parse_below(struct tree *tree, const char *source, const 
     g_assert(initialized); // fails without memory only
     yaml_parser_set_encoding(&builder.parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&builder.parser, (const unsigned char *)text, size);
-    struct tree_node *root = build_document(&builder, parent, depth);
+    struct tree_node *root = build_document(&builder, depth);
     yaml_parser_delete(&builder.parser);
     return root;
 }
 
-struct tree *tree_parse(const char *source, const char *text, size_t size, struct error *error)
+struct tree *tree_parse_at(const struct tree_node *place, const char *text, size_t size,
+                           struct error *error)
 {
     struct tree *tree = g_new0(struct tree, 1);
     tree->strings = g_string_chunk_new(4096);
-    tree->root = tree_parse_below(tree, source, text, size, NULL, 1, error);
+    tree->root = tree_parse_below(tree, place, text, size, 1, error);
     if (tree->root == NULL) {
         tree_free(tree);
         return NULL;
     }
     return tree;
+}
+
+struct tree *tree_parse(const char *source, const char *text, size_t size, struct error *error)
+{
+    const struct tree_node begin = {.source = source, .line = 1, .column = 1};
+    return tree_parse_at(&begin, text, size, error);
 }

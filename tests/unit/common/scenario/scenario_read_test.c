@@ -486,10 +486,14 @@ static void wrong_overrides_name_themselves(void **state)
          "--set vehicle.mass=-3:1:1: vehicle.mass: expected more than 0 kg, found -3"},
         {"vehicle.mas=3",
          "--set vehicle.mas=3:1:1: vehicle: unknown key 'mas'; did you mean 'mass'?"},
-        {"springs.2.length=1",
-         "--set springs.2.length=1:1:1: springs: expected an index from 0 to 1, found '2'"},
-        {"springs.front.length=1",
-         "--set springs.front.length=1:1:1: springs: expected an index from 0 to 1, found 'front'"},
+        {"springs.2.length=1", "--set springs.2.length=1:1:1: springs: expected the name of an "
+                               "item or an index from 0 to "
+                               "1, found '2'"},
+        {"springs.back.length=1",
+         "--set springs.back.length=1:1:1: springs: expected the name of an item or an index from "
+         "0 to 1, found 'back'"},
+        {"springs.front.length=-1",
+         "--set springs.front.length=-1:1:1: springs.0.length: expected more than 0 m, found -1"},
         {"vehicle.mass.kg=1", "--set vehicle.mass.kg=1:1:1: vehicle.mass: expected a mapping to "
                               "set 'kg' in, found 1650"},
         {"vehicle..mass=1", "--set vehicle..mass=1:1:1: expected keys with single dots in between, "

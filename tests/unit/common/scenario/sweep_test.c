@@ -148,7 +148,7 @@ static void case_is_its_base_with_its_values_set(void **state)
     const struct folder *folder = *state;
     struct sweep *sweep =
         sweep_of(folder, HEAD "axes:\n- {path: vehicle.mass, linspace: [1500, 1500.1, 4]}\n"
-                              "- {path: springs.0.force_x.upper, values: [[1e5, 2e5], 3e5]}\n"
+                              "- {path: springs.front.force_x.upper, values: [[1e5, 2e5], 3e5]}\n"
                               "replicates: 2\n");
     const char *const *columns = sweep_columns(sweep);
     assert_int_equal(sweep_column_count(sweep), 3);
@@ -213,6 +213,10 @@ static void wrong_sweeps_are_refused_at_their_place(void **state)
         {HEAD "axes: [{path: a, linspace: [1, 2, 1]}]\n", "expected [from, to, how many]"},
         {HEAD "axes: [{path: a, linspace: [1, 2, .inf]}]\n", "expected a finite number"},
         {HEAD "axes: [{path: a, values: [1]}, {path: a, values: [2]}]\n", "a is changed twice"},
+        {HEAD "axes: [{path: springs.0.length, values: [1]}, {path: springs.front.length, values: "
+              "[2]}]\n",
+         "springs.front.length is changed twice"},
+        {HEAD "axes: [{csv: broken.csv}]\n", "broken.csv:2:9: key 'a' is given twice"},
         {HEAD "axes: [{path: search.seed, range: [1, 2]}]\nreplicates: 2\n",
          "sweep.yaml:4:13: replicates: search.seed is changed twice"},
         {HEAD "replicates: 0\n", "sweep.yaml:3:13: replicates: expected a whole number"},
@@ -251,6 +255,7 @@ static void wrong_sweeps_are_refused_at_their_place(void **state)
     write_file(folder, "labels.csv", "case,a\nx,1\nx,2\n");
     write_file(folder, "names.csv", "case\nx\n");
     write_file(folder, "control.csv", "a\n1\x1b[2J\n");
+    write_file(folder, "broken.csv", "a\n\"{a: 1, a: 2}\"\n");
     write_file(folder, "bad.yaml", "name: x\n");
     for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
         struct sweep *sweep = NULL;
@@ -279,11 +284,19 @@ static void invalid_case_is_named_with_the_place_of_its_value(void **state)
           "in the case mass=-3 of "}},
         {HEAD "axes: [{path: vehicle.masss, values: [1500]}]",
          0,
-         {"sweep.yaml:3:39: vehicle: unknown key 'masss'; did you mean 'mass'?",
+         {"sweep.yaml:3:15: vehicle: unknown key 'masss'; did you mean 'mass'?",
           "in the case masss=1500 of "}},
         {HEAD "axes: [{path: springs.3.length, values: [1.2]}]",
          0,
-         {"sweep.yaml:3:42: springs: expected an index from 0 to 0", "in the case length=1.2"}},
+         {"sweep.yaml:3:15: springs: expected the name of an item or an index from 0 to 0",
+          "in the case length=1.2"}},
+        // Within a list the item is pointed at, within a cell too.
+        {HEAD "axes: [{path: springs.front.force_x.lower, values: [[0, x]]}]",
+         0,
+         {"sweep.yaml:3:57: springs.0.force_x.lower.1: expected", "in the case lower=#1"}},
+        {HEAD "axes: [{csv: cells.csv}]",
+         0,
+         {"cells.csv:2:6: springs.0.position.1: expected", "in the case position=#1"}},
         {HEAD "axes: [{path: response, values: ['ro:1:1: x']}]",
          0,
          {"sweep.yaml:3:34", "in the case response="}},
@@ -293,6 +306,7 @@ static void invalid_case_is_named_with_the_place_of_its_value(void **state)
          {"expected a number or a list of 3", "deformation=#1,upper=#1"}},
     };
     const struct folder *folder = *state;
+    write_file(folder, "cells.csv", "springs.front.position\n\"[1, x]\"\n");
     for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
         struct sweep *sweep = sweep_of(folder, cases[i].text);
         struct scenario scenario;
@@ -316,6 +330,10 @@ static void options_change_the_base_but_no_axis(void **state)
     struct error error = {0};
     assert_int_equal(read_sweep(folder, text, "vehicle.mass=3", &sweep, &error), STATUS_INVALID);
     assert_non_null(strstr(error.text, "vehicle.mass is changed by the sweep"));
+    static const char into[] = HEAD "axes: [{path: springs.0, values: [{}]}]\n";
+    assert_int_equal(read_sweep(folder, into, "springs.front.length=1", &sweep, &error),
+                     STATUS_INVALID);
+    assert_non_null(strstr(error.text, "springs.0 is changed by the sweep"));
     assert_int_equal(read_sweep(folder, text, "firewall_distance=0.2", &sweep, &error), STATUS_OK);
     struct scenario scenario;
     assert_int_equal(sweep_scenario(sweep, 1, &scenario, &error), STATUS_OK);

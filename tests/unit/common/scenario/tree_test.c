@@ -198,15 +198,91 @@ static void assignments_replace_and_add(void **state)
     tree_free(tree);
 }
 
+// An item of a list is found by the name that it has, or by its index, which goes first; a path is
+// resolved to indexes as far as the tree has what it leads to.
+static void items_are_found_by_name(void **state)
+{
+    (void)state;
+    struct tree *tree = parse("list: [{name: front, a: 1}, {name: '0', a: 2}, {name: rear}]\n");
+    set(tree, "list.front.a=7");
+    set(tree, "list.rear.new.a=3");
+    set(tree, "list.0.b=4");
+    assert_emits(tree, "list:\n"
+                       "- name: front\n"
+                       "  a: 7\n"
+                       "  b: 4\n"
+                       "- name: '0'\n"
+                       "  a: 2\n"
+                       "- name: rear\n"
+                       "  new:\n"
+                       "    a: 3\n");
+    static const char *const paths[][2] = {{"list.rear.new.a", "list.2.new.a"},
+                                           {"list.2.new.a", "list.2.new.a"},
+                                           {"list.middle.a", "list.middle.a"},
+                                           {"list.front.a.b.c", "list.0.a.b.c"},
+                                           {"other.front", "other.front"}};
+    for (size_t i = 0; i < G_N_ELEMENTS(paths); i++) {
+        char *resolved = tree_resolve(tree, paths[i][0]);
+        assert_string_equal(resolved, paths[i][1]);
+        g_free(resolved);
+    }
+    tree_free(tree);
+}
+
+// A mapping replaces what is there, or changes it key by key; either way its nodes keep the places
+// at which they were given.
+static void mapping_replaces_or_merges(void **state)
+{
+    (void)state;
+    static const char *const nothing[] = {NULL};
+    struct error error = {0};
+    struct tree *tree = parse("a: {b: 1, c: 2}\nlist: [{name: x, d: 3}]\n");
+    struct tree *changes = parse("a: {c: 7}\nlist: {x: {d: 8}}\n");
+    const struct tree_node *root = tree_root(changes);
+    struct tree *merged = tree_copy(tree, nothing), *replaced = tree_copy(tree, nothing);
+    for (uint32_t i = 0; i < root->count; i++) {
+        assert_int_equal(tree_overlay(merged, root->keys[i], root->items[i], TREE_MERGE, &error),
+                         STATUS_OK);
+        assert_int_equal(
+            tree_overlay(replaced, root->keys[i], root->items[i], TREE_REPLACE, &error), STATUS_OK);
+    }
+    assert_emits(merged, "a:\n  b: 1\n  c: 7\nlist:\n- name: x\n  d: 8\n");
+    assert_emits(replaced, "a:\n  c: 7\nlist:\n  x:\n    d: 8\n");
+    assert_emits(tree, "a:\n  b: 1\n  c: 2\nlist:\n- name: x\n  d: 3\n");
+    assert_node(tree_child(tree_child(tree_root(merged), "a"), "c"), TREE_SCALAR, 1, 8, "a.c");
+    tree_free(merged);
+    tree_free(replaced);
+    tree_free(changes);
+    tree_free(tree);
+}
+
+// A text within another points at where it stands there.
+static void text_within_another_keeps_its_place(void **state)
+{
+    (void)state;
+    const struct tree_node place = {.source = "table.csv", .line = 3, .column = 5};
+    struct error error = {0};
+    struct tree *tree = tree_parse_at(&place, "[1, 2]", 6, &error);
+    assert_node(tree_root(tree)->items[1], TREE_SCALAR, 3, 9, "1");
+    assert_string_equal(tree_root(tree)->source, "table.csv");
+    tree_free(tree);
+    assert_null(tree_parse_at(&place, "{a: 1, a: 2}", 12, &error));
+    assert_string_equal(error.text, "table.csv:3:12: key 'a' is given twice: expected it once");
+}
+
 // A wrong assignment says why and changes nothing.
 static void refused_assignments_change_nothing(void **state)
 {
     (void)state;
     static const char *const cases[][2] = {
+        {"new.b..c=1", "--set new.b..c=1:1:1: expected keys with single dots in between"},
         {"a.b.c=1", "--set a.b.c=1:1:1: a.b: expected a mapping to set 'c' in, found 1"},
-        {"list.2=1", "--set list.2=1:1:1: list: expected an index from 0 to 1, found '2'"},
-        {"list.-1=1", "--set list.-1=1:1:1: list: expected an index from 0 to 1, found '-1'"},
-        {"list.x=1", "--set list.x=1:1:1: list: expected an index from 0 to 1, found 'x'"},
+        {"list.2=1", "--set list.2=1:1:1: list: expected the name of an item or an index from 0 to "
+                     "1, found '2'"},
+        {"list.-1=1", "--set list.-1=1:1:1: list: expected the name of an item or an index from 0 "
+                      "to 1, found '-1'"},
+        {"list.x=1", "--set list.x=1:1:1: list: expected the name of an item or an index from 0 to "
+                     "1, found 'x'"},
         {"none.0=1", "--set none.0=1:1:1: none: the list is empty: there is no item '0'"},
         {"a=&x 1", "--set a=&x 1:1:1: anchors and aliases"},
         {"a={b: 1, b: 2}", "--set a={b: 1, b: 2}:1:8: key 'b' is given twice"},
@@ -285,6 +361,9 @@ int main(void)
         cmocka_unit_test(surprises_are_refused),
         cmocka_unit_test(bombs_end_at_a_bound),
         cmocka_unit_test(assignments_replace_and_add),
+        cmocka_unit_test(items_are_found_by_name),
+        cmocka_unit_test(mapping_replaces_or_merges),
+        cmocka_unit_test(text_within_another_keeps_its_place),
         cmocka_unit_test(refused_assignments_change_nothing),
         cmocka_unit_test(canonical_text_is_a_fixed_point),
         cmocka_unit_test(messages_are_one_line),
