@@ -149,6 +149,61 @@ static void random_bytes_are_refused_or_round_trip(void **state)
     }
 }
 
+// The margin of each sample, good or bad, comes out to the last bit, infinities among them, beside
+// what full detail holds.
+static void margin_detail_survives_the_round_trip(void **state)
+{
+    (void)state;
+    static const float margins[] = {0, -0.0F, 1e-30F, -3.5F, INFINITY, -INFINITY, FLT_MAX};
+    for (uint32_t count = 0; count <= COUNT_MAX; count++) {
+        struct verdict in[COUNT_MAX], out[COUNT_MAX];
+        mixture(in, count, count);
+        uint32_t bad = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            in[i].margin = margins[i % 7];
+            bad += in[i].violation != VERDICT_GOOD;
+        }
+        uint8_t *packed = malloc(verdict_packed_size_max(count, VERDICT_DETAIL_MARGIN) + 1);
+        const size_t size = verdict_pack(in, count, VERDICT_DETAIL_MARGIN, packed);
+        assert_int_equal(size, (count + 7) / 8 + 4 * count + 3 * bad);
+        assert_true(size <= verdict_packed_size_max(count, VERDICT_DETAIL_MARGIN));
+        assert_true(verdict_unpack(out, count, VERDICT_DETAIL_MARGIN, CONSTRAINTS, packed, size));
+        for (uint32_t i = 0; i < count; i++) {
+            assert_int_equal(in[i].violation, out[i].violation);
+            assert_int_equal(in[i].constraint, out[i].constraint);
+            assert_memory_equal(&in[i].margin, &out[i].margin, sizeof in[i].margin);
+        }
+        free(packed);
+    }
+}
+
+// A margin from the network that is no number would make every comparison false; a size that is
+// not that of the margins, or of bad ones behind them, is refused as in full detail.
+static void hostile_margins_are_refused(void **state)
+{
+    (void)state;
+    struct verdict in[2] = {{.margin = 0.5F}, {.violation = 7, .constraint = 1, .margin = -1}};
+    struct verdict out[2];
+    uint8_t packed[1 + 2 * 4 + 3 + 1] = {0};
+    const size_t size = verdict_pack(in, 2, VERDICT_DETAIL_MARGIN, packed);
+    assert_int_equal(size, sizeof packed - 1);
+    assert_true(verdict_unpack(out, 2, VERDICT_DETAIL_MARGIN, 2, packed, size));
+    for (size_t other = 0; other <= sizeof packed; other++) {
+        if (other != size)
+            assert_false(verdict_unpack(out, 2, VERDICT_DETAIL_MARGIN, 2, packed, other));
+    }
+    assert_false(verdict_unpack(out, 2, VERDICT_DETAIL_MARGIN, 1, packed, size)); // constraint 1
+    static const float nothing = NAN;
+    for (uint32_t i = 0; i < 2; i++) {
+        uint8_t broken[sizeof packed];
+        memcpy(broken, packed, sizeof packed);
+        memcpy(broken + 1 + 4 * (size_t)i, &nothing, sizeof nothing);
+        memset(out, 0x5A, sizeof out);
+        assert_false(verdict_unpack(out, 2, VERDICT_DETAIL_MARGIN, 2, broken, size));
+        assert_int_equal(out[0].violation, 0x5A5A); // untouched
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -157,6 +212,8 @@ int main(void)
         cmocka_unit_test(full_detail_survives_the_round_trip),
         cmocka_unit_test(share_detail_keeps_one_bit),
         cmocka_unit_test(hostile_bytes_are_refused),
+        cmocka_unit_test(margin_detail_survives_the_round_trip),
+        cmocka_unit_test(hostile_margins_are_refused),
         cmocka_unit_test(random_bytes_are_refused_or_round_trip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

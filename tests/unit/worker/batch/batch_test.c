@@ -339,6 +339,130 @@ static void cases_are_good_only_together(void **state)
     scenario_fini(&joint);
 }
 
+// The margin of constraint `constraint` of judged(), made by hand in the same way.
+static double margin_by_hand(uint32_t constraint, double s_l, double yaw)
+{
+    struct scenario_constraint constraints[] = {
+        {.outcome = OUTCOME_S_L, .min = 0.25, .max = INFINITY, .scale = 0.5},
+        {.outcome = OUTCOME_YAW_DEG, .min = -20, .max = 20, .scale = 40},
+    };
+    struct scenario by_hand = {
+        .spring_count = 1, .constraints = constraints, .constraint_count = 2};
+    double outcomes[(OUTCOME_ENERGY_ABSORBED + 2) * STRIDE] = {0};
+    outcomes[OUTCOME_S_L * STRIDE] = s_l;
+    outcomes[OUTCOME_YAW_DEG * STRIDE] = yaw;
+    return batch_margin(&by_hand, constraint, outcomes, STRIDE);
+}
+
+// How far inside, on the constraint's own scale, to the nearer of two bounds; below 0 outside.
+static void margin_is_the_distance_to_the_nearest_bound(void **state)
+{
+    (void)state;
+    assert_true(margin_by_hand(0, 0.5, 0) == 0.5);
+    assert_true(margin_by_hand(0, 0.25, 99) == 0); // another constraint's outcome is not its own
+    assert_true(margin_by_hand(0, -0.25, 0) == -1);
+    assert_true(margin_by_hand(1, 0.5, 0) == 0.5);
+    assert_true(margin_by_hand(1, 0.5, 10) == 0.25);
+    assert_true(margin_by_hand(1, 0.5, -10) == 0.25);
+    assert_true(margin_by_hand(1, 0.5, -60) == -1);
+}
+
+// A crash that broke down in any outcome has no margin in another one.
+static void margin_of_a_non_finite_outcome_is_the_least(void **state)
+{
+    (void)state;
+    assert_true(margin_by_hand(0, NAN, 0) == -INFINITY);
+    assert_true(margin_by_hand(1, NAN, 0) == -INFINITY);
+    assert_true(margin_by_hand(0, INFINITY, 0) == -INFINITY);
+    double outcomes[OUTCOME_ENERGY_ABSORBED + 2] = {[OUTCOME_S_L] = 0.5};
+    outcomes[OUTCOME_TRAVEL_Y] = NAN; // no constraint concerns it
+    assert_true(batch_margin(&scenario, 0, outcomes, 1) == -INFINITY);
+}
+
+// The outcomes of each sample of a step, by the other way: its values, then the model.
+static double *outcomes_of(const struct scenario *of, const struct model *its,
+                           const struct sampling *sampling)
+{
+    const uint32_t count = sampling->samples, variables = of->design_space.count;
+    double *values = malloc((size_t)count * variables * sizeof *values);
+    double *rows = malloc((size_t)count * variables * sizeof *rows);
+    double *outcomes = malloc((size_t)count * model_outcome_count(its) * sizeof *outcomes);
+    assert_true(values != NULL && rows != NULL && outcomes != NULL);
+    sampling_fill(sampling, &of->design_space, 0, count, values, count);
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t v = 0; v < variables; v++)
+            rows[(size_t)i * variables + v] = values[(size_t)v * count + i];
+    }
+    struct batch_scratch scratch = {0};
+    batch_evaluate_designs(its, rows, count, &scratch, outcomes);
+    batch_scratch_fini(&scratch);
+    free(values);
+    free(rows);
+    return outcomes;
+}
+
+// Asserts that each verdict has the margin of its outcomes: of `targets` a sample, or the least.
+static void assert_margins(const struct scenario *of, const struct model *its,
+                           const struct sampling *sampling, uint32_t per_attack)
+{
+    const uint32_t count = sampling->samples;
+    const struct batch batch = {
+        .sampling = *sampling, .count = count, .detail = VERDICT_DETAIL_MARGIN};
+    struct verdict *verdicts = calloc(count, sizeof *verdicts);
+    assert_non_null(verdicts);
+    batch_evaluate(of, its, &of->design_space, &batch, 2, verdicts);
+    double *outcomes = outcomes_of(of, its, sampling);
+    for (uint32_t i = 0; i < count; i++) {
+        const double *mine = outcomes + (size_t)i * model_outcome_count(its);
+        double expected = INFINITY;
+        for (uint32_t c = 0; c < of->constraint_count; c++) {
+            const bool asked = per_attack == 0 || moves_target(sampling, per_attack, i) == c;
+            expected = asked ? fmin(expected, batch_margin(of, c, mine, 1)) : expected;
+        }
+        assert_true(verdicts[i].margin == (float)expected);
+        if (per_attack == 0 && verdicts[i].violation == VERDICT_GOOD)
+            assert_true(verdicts[i].margin >= 0);
+        if (per_attack == 0 && verdicts[i].violation > 1)
+            assert_true(verdicts[i].margin < 0);
+    }
+    free(outcomes);
+    free(verdicts);
+}
+
+// Samples of an attack tell the margin of the constraint that it attacks, all others the least one.
+static void margins_are_those_that_are_asked_for(void **state)
+{
+    (void)state;
+    static const char *const narrow[] = {"constraints={yaw_deg: {min: -5, max: 5}}"};
+    struct scenario two;
+    struct error error = {0};
+    assert_int_equal(scenario_read_text(&two, "batch", text, strlen(text), narrow, 1, &error),
+                     STATUS_OK);
+    const struct scenario *of = &two;
+    struct model *its = model_create(of);
+    struct sampling sampling = {.seed = 3, .samples = SAMPLES, .curves = &of->curves};
+    assert_margins(of, its, &sampling, 0);
+
+    assert_true(of->constraint_count > 1);
+    const uint32_t variables = of->design_space.count, attacks = of->constraint_count;
+    uint8_t *rows = calloc(attacks, 1 + variables);
+    assert_non_null(rows);
+    for (uint32_t attack = 0; attack < attacks; attack++) {
+        rows[attack * (1 + variables)] = (uint8_t)attack;
+        for (uint32_t v = 0; v < variables; v++)
+            rows[attack * (1 + variables) + 1 + v] = (uint8_t)(attack * 80 + v * 9);
+    }
+    const struct moves moves = {.variables = variables, .attacks = attacks, .rows = rows};
+    const uint32_t per_attack = moves_count(&of->curves, &of->design_space);
+    sampling.method = SAMPLING_METHOD_MOVES;
+    sampling.moves = &moves;
+    sampling.samples = attacks * per_attack;
+    assert_margins(of, its, &sampling, per_attack);
+    free(rows);
+    model_free(its);
+    scenario_fini(&two);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -346,6 +470,9 @@ int main(void)
         cmocka_unit_test(violation_is_relative_to_the_scale),
         cmocka_unit_test(worst_constraint_is_named),
         cmocka_unit_test(non_finite_outcome_is_worst),
+        cmocka_unit_test(margin_is_the_distance_to_the_nearest_bound),
+        cmocka_unit_test(margin_of_a_non_finite_outcome_is_the_least),
+        cmocka_unit_test(margins_are_those_that_are_asked_for),
         cmocka_unit_test(block_is_judged_as_its_designs_are),
         cmocka_unit_test(design_space_has_good_and_bad_designs),
         cmocka_unit_test(thread_count_does_not_matter),
