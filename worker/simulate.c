@@ -6,6 +6,7 @@
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
 #include "common/scenario/scenario_read.h"
+#include "common/table/decimal.h"
 #include "worker/batch/batch.h"
 #include "worker/kinematics/kinematics.h"
 #include "worker/models/design.h"
@@ -253,9 +254,9 @@ static void simulation_fini(struct simulation *simulation)
 
 static void append_number(GString *text, char separator, double number)
 {
-    char digits[G_ASCII_DTOSTR_BUF_SIZE];
+    char digits[DECIMAL_SIZE];
     g_string_append_c(text, separator);
-    g_string_append(text, g_ascii_dtostr(digits, sizeof digits, number));
+    g_string_append(text, decimal_text(number, digits));
 }
 
 static GString *trajectory_text(const struct simulation *simulation,
@@ -272,8 +273,8 @@ static GString *trajectory_text(const struct simulation *simulation,
     const uint32_t columns = kinematics_column_count(simulation->problem);
     const double *row = simulation->rows;
     for (uint32_t i = 0; i < kinematics_row_count(simulation->problem); i++, row += columns) {
-        char digits[G_ASCII_DTOSTR_BUF_SIZE];
-        g_string_append(text, g_ascii_dtostr(digits, sizeof digits, row[KINEMATICS_COLUMN_TIME]));
+        char digits[DECIMAL_SIZE];
+        g_string_append(text, decimal_text(row[KINEMATICS_COLUMN_TIME], digits));
         for (uint32_t column = 1; column < columns; column++) {
             append_number(text, ',', row[column]);
         }

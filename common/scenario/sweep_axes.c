@@ -1,6 +1,7 @@
 #include "common/scenario/field.h"
 #include "common/scenario/sheet.h"
 #include "common/scenario/sweep_state.h"
+#include "common/table/decimal.h"
 
 #include <assert.h>
 #include <glib.h>
@@ -105,10 +106,10 @@ static bool read_linspace(struct sweep *sweep, struct sweep_axis *axis,
     }
     const uint32_t count = (uint32_t)numbers[2];
     for (uint32_t i = 0; i < count; i++) {
-        char text[40];
+        char text[DECIMAL_SIZE];
         const double value =
             i + 1 == count ? numbers[1] : numbers[0] + (numbers[1] - numbers[0]) * i / (count - 1);
-        sweep_cell_add(sweep, axis, sweep_cell_number(value, text), NULL, node);
+        sweep_cell_add(sweep, axis, decimal_text(value, text), NULL, node);
     }
     return true;
 }

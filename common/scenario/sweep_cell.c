@@ -1,7 +1,6 @@
 #include "common/scenario/sweep_state.h"
 
 #include <glib.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { LABEL_MAX = 32 }; // [bytes] of a value in a name
@@ -49,18 +48,6 @@ static void put_node(GString *text, const struct tree_node *node)
         put_node(text, node->items[i]);
     }
     g_string_append_c(text, mapping ? '}' : ']');
-}
-
-const char *sweep_cell_number(double number, char text[40])
-{
-    for (int digits = 15; digits <= 17; digits++) {
-        char format[8];
-        snprintf(format, sizeof format, "%%.%dg", digits);
-        g_ascii_formatd(text, 40, format, number);
-        if (g_ascii_strtod(text, NULL) == number)
-            break;
-    }
-    return text;
 }
 
 // Whether the node's text on one line is read as the same node again. A plain scalar of several

@@ -56,9 +56,6 @@ bool sweep_cell_add_text(struct sweep *sweep, struct sweep_axis *axis, const cha
 bool sweep_cell_add_node(struct sweep *sweep, struct sweep_axis *axis, const struct tree_node *node,
                          struct error *error);
 
-// The shortest decimal that reads back as the same number.
-const char *sweep_cell_number(double number, char text[40]);
-
 // Reads the list of axes. Returns false with `error` filled (STATUS_INVALID).
 bool sweep_axes_read(struct sweep *sweep, const struct tree_node *node, struct error *error);
 

@@ -1,6 +1,6 @@
 #include "coordinator/evaluation/designs.h"
 
-#include "coordinator/evaluation/decimal.h"
+#include "common/table/decimal.h"
 
 #include <glib.h>
 #include <inttypes.h>

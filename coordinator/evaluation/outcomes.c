@@ -1,6 +1,6 @@
 #include "coordinator/evaluation/outcomes.h"
 
-#include "coordinator/evaluation/decimal.h"
+#include "common/table/decimal.h"
 #include "worker/batch/batch.h"
 
 #include <inttypes.h>

@@ -1,6 +1,7 @@
 #include "coordinator/report/curves.h"
 
 #include "common/base/plain.h"
+#include "common/table/decimal.h"
 #include "coordinator/report/number.h"
 
 #include <assert.h>
@@ -177,8 +178,8 @@ static void write_csv(GString *text, const struct curve *curve)
         char x[NUMBER_SIZE], y[NUMBER_SIZE];
         g_string_append_printf(text, "%s,%s,%s,%s,%s,%s\n", spring_of(curve)->name,
                                scenario_direction_name(curve->direction), bound_names[curve->bound],
-                               number_exact(deformation(curve, k), x),
-                               number_exact(force(curve, k), y), reached(curve, k) ? "yes" : "no");
+                               decimal_text(deformation(curve, k), x),
+                               decimal_text(force(curve, k), y), reached(curve, k) ? "yes" : "no");
     }
 }
 

@@ -2,6 +2,7 @@
 // side, one search after the other, so that a sweep of any size costs the memory of one search.
 #include "common/base/plain.h"
 #include "common/base/whole_file.h"
+#include "common/table/decimal.h"
 #include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
@@ -18,7 +19,7 @@
 static void csv_number(FILE *csv, double value)
 {
     char text[NUMBER_SIZE];
-    fprintf(csv, ",%s", number_exact(value, text));
+    fprintf(csv, ",%s", decimal_text(value, text));
 }
 
 // Where a corridor's interval belongs: a point of a spring, or the variable that it is alone.

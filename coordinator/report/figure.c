@@ -1,4 +1,5 @@
 #include "coordinator/report/figure.h"
+#include "common/table/decimal.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/page.h"
 
@@ -128,9 +129,9 @@ static void put_block(GString *script, const char *name, const struct figure *fi
     for (uint32_t k = points.first; k < points.end; k++) {
         uint32_t variable = run_data_variable(search, index, panel->direction, k);
         char deformation[NUMBER_SIZE], lower[NUMBER_SIZE], upper[NUMBER_SIZE];
-        number_exact(deformation_value(figure, panel, spring->deformation[k]), deformation);
-        number_exact(force_value(figure, panel, box->lower[variable]), lower);
-        number_exact(force_value(figure, panel, box->upper[variable]), upper);
+        decimal_text(deformation_value(figure, panel, spring->deformation[k]), deformation);
+        decimal_text(force_value(figure, panel, box->lower[variable]), lower);
+        decimal_text(force_value(figure, panel, box->upper[variable]), upper);
         g_string_append_printf(script, "%s %s %s\n", deformation, lower, upper);
     }
     g_string_append(script, "END\n");

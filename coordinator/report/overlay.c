@@ -1,6 +1,7 @@
 #include "coordinator/report/overlay.h"
 
 #include "common/plot/gnuplot.h"
+#include "common/table/decimal.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/page.h"
 
@@ -69,9 +70,9 @@ static void put_block(GString *script, const char *name, const struct run_data_s
     for (uint32_t k = part->first; k < part->end; k++) {
         const uint32_t variable = run_data_variable(search, index, part->direction, k);
         char deformation[NUMBER_SIZE], lower[NUMBER_SIZE], upper[NUMBER_SIZE];
-        number_exact(spring->deformation[k] / scale->deformation, deformation);
-        number_exact(box->lower[variable] / scale->force, lower);
-        number_exact(box->upper[variable] / scale->force, upper);
+        decimal_text(spring->deformation[k] / scale->deformation, deformation);
+        decimal_text(box->lower[variable] / scale->force, lower);
+        decimal_text(box->upper[variable] / scale->force, upper);
         g_string_append_printf(script, "%s %s %s\n", deformation, lower, upper);
     }
     g_string_append(script, "END\n");

@@ -1,6 +1,7 @@
 #include "coordinator/report/volume.h"
 
 #include "common/plot/gnuplot.h"
+#include "common/table/decimal.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/page.h"
 
@@ -138,18 +139,18 @@ static void put_line(GString *script, const struct rows *rows, const uint32_t *l
     g_string_append_printf(script, "$dots_%" PRIu32 " << END\n", line + 1);
     for (uint32_t v = 0; v < scale->count; v++) {
         uint32_t count = 0;
-        number_exact(scale_place(scale, scale->values[v]), place);
+        decimal_text(scale_place(scale, scale->values[v]), place);
         for (uint32_t i = 0; i < rows->count; i++) {
             const struct rows_row *row = &rows->items[i];
             if (lines[i] != line || isnan(row->log_volume) ||
                 strcmp(row->values[axis], scale->values[v]) != 0)
                 continue;
             found[count++] = row->log_volume;
-            g_string_append_printf(script, "%s %s\n", place, number_exact(row->log_volume, volume));
+            g_string_append_printf(script, "%s %s\n", place, decimal_text(row->log_volume, volume));
         }
         if (count > 0)
             g_string_append_printf(medians, "%s %s\n", place,
-                                   number_exact(rows_median(found, count), volume));
+                                   decimal_text(rows_median(found, count), volume));
     }
     // gnuplot refuses a block without any point.
     g_string_append_printf(script, "NaN NaN\nEND\n$line_%" PRIu32 " << END\n%sNaN NaN\nEND\n",
@@ -230,7 +231,7 @@ static double put_cells(GString *script, const struct rows *rows, uint32_t acros
             least = fmin(least, median);
             greatest = fmax(greatest, median);
             g_string_append_printf(script, "%" PRIu32 " %" PRIu32 " %s\n", c, r,
-                                   number_exact(median, volume));
+                                   decimal_text(median, volume));
         }
     }
     g_string_append(script, "END\n");
@@ -261,7 +262,7 @@ char *volume_map(const struct rows *rows, uint32_t across, uint32_t up, const ch
     put_tics(script, 'x', &x);
     put_tics(script, 'y', &y);
     // Numbers are dark on light cells and light on dark ones.
-    g_string_append_printf(script, "middle = %s\n", number_exact(middle, number));
+    g_string_append_printf(script, "middle = %s\n", decimal_text(middle, number));
     g_string_append(script, "plot $cells using 1:2:(0.49):(0.47):3 with boxxyerror fs solid "
                             "noborder fc palette notitle");
     if (numbers)

@@ -1,5 +1,6 @@
 #include "monitor/http/metrics.h"
 
+#include "common/table/decimal.h"
 #include "monitor/feed/problem.h"
 
 #include <inttypes.h>
@@ -14,12 +15,11 @@ static void family(GString *out, const char *name, const char *type, const char 
 
 static void append_value(GString *out, double value)
 {
-    if (isnan(value))
-        g_string_append(out, " NaN\n");
-    else if (isinf(value))
-        g_string_append(out, value > 0 ? " +Inf\n" : " -Inf\n");
-    else
-        g_string_append_printf(out, " %.17g\n", value);
+    char number[DECIMAL_SIZE];
+    const char *text = isnan(value)   ? "NaN"
+                       : isinf(value) ? (value > 0 ? "+Inf" : "-Inf")
+                                      : decimal_text(value, number);
+    g_string_append_printf(out, " %s\n", text);
 }
 
 // Names come from the network: what would end a label is escaped.

@@ -1,5 +1,6 @@
 #include "monitor/http/xray.h"
 
+#include "common/table/decimal.h"
 #include "monitor/feed/feed.h"
 
 #include <inttypes.h>
@@ -86,8 +87,8 @@ static void append_name(GString *out, const char *name)
 
 static void append_double(GString *out, double value)
 {
-    char text[G_ASCII_DTOSTR_BUF_SIZE];
-    g_string_append(out, g_ascii_dtostr(text, sizeof text, value));
+    char text[DECIMAL_SIZE];
+    g_string_append(out, decimal_text(value, text));
 }
 
 static void append_verdict(GString *out, const struct album_picture *picture,

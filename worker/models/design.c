@@ -1,4 +1,5 @@
 #include "worker/models/design.h"
+#include "common/table/decimal.h"
 #include "worker/models/csv.h"
 
 #include <glib.h>
@@ -240,9 +241,9 @@ static void append_branch(GString *text, const char *spring, const char *name,
         };
         g_string_append_printf(text, "%s,%s", spring, name);
         for (size_t k = 0; k < G_N_ELEMENTS(numbers); k++) {
-            char digits[G_ASCII_DTOSTR_BUF_SIZE];
+            char digits[DECIMAL_SIZE];
             g_string_append_c(text, ',');
-            g_string_append(text, g_ascii_dtostr(digits, sizeof digits, numbers[k]));
+            g_string_append(text, decimal_text(numbers[k], digits));
         }
         g_string_append_c(text, '\n');
     }

@@ -48,22 +48,6 @@ static char *printed(const char *folder)
 
 // ---- numbers ----
 
-// A CSV must give back the double that was found, in as few digits as that takes.
-static void numbers_are_short_and_exact(void **state)
-{
-    (void)state;
-    char text[NUMBER_SIZE];
-    assert_string_equal(number_exact(0.15, text), "0.15");
-    assert_string_equal(number_exact(450e3, text), "450000");
-    assert_string_equal(number_exact(-0.0, text), "-0");
-    assert_string_equal(number_exact(0.1 + 0.2, text), "0.30000000000000004");
-    assert_string_equal(number_exact(-INFINITY, text), "-inf");
-    static const double AWKWARD[] = {DBL_MAX, -DBL_MIN, 4.9406564584124654e-324, 1.0 / 3,
-                                     9007199254740993.0};
-    for (size_t i = 0; i < G_N_ELEMENTS(AWKWARD); i++)
-        assert_true(strtod(number_exact(AWKWARD[i], text), NULL) == AWKWARD[i]);
-}
-
 // Thousands are grouped from the right, the greatest number fits.
 static void counts_are_grouped(void **state)
 {
@@ -418,7 +402,6 @@ static void contradicting_journal_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_are_short_and_exact),
         cmocka_unit_test(counts_are_grouped),
         cmocka_unit_test(names_lose_their_control_characters),
         IN_FOLDER(csv_tables_are_golden),

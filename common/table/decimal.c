@@ -1,4 +1,4 @@
-#include "coordinator/evaluation/decimal.h"
+#include "common/table/decimal.h"
 
 #include <glib.h>
 #include <math.h>
@@ -10,22 +10,11 @@ enum {
     DIGITS_EXACT = 15,    // that every double holds, and whose integer is exact as one
     DIGITS_ALL = 17,      // that tell any two doubles apart
     POWER_EXACT_MAX = 22, // greatest power of ten that is exact as a double
-    POWER_LONG_MAX = 27,  // and as a long double of 64 bits
 };
-
-#define INTEGER_EXACT_MAX (UINT64_C(1) << 53) // up to which every integer is a double
-
-_Static_assert(__LDBL_MANT_DIG__ == 64, "decimal_write() needs the long double of x86");
 
 static const double powers[POWER_EXACT_MAX + 1] = {
     1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
-};
-
-static const long double long_powers[POWER_LONG_MAX + 1] = {
-    1e0L,  1e1L,  1e2L,  1e3L,  1e4L,  1e5L,  1e6L,  1e7L,  1e8L,  1e9L,
-    1e10L, 1e11L, 1e12L, 1e13L, 1e14L, 1e15L, 1e16L, 1e17L, 1e18L, 1e19L,
-    1e20L, 1e21L, 1e22L, 1e23L, 1e24L, 1e25L, 1e26L, 1e27L,
 };
 
 // ---- Reading ----
@@ -115,17 +104,40 @@ bool decimal_read(const char *text, size_t size, double *number)
 
 // ---- Writing ----
 
+#define FAST_MIN 1e-4 // numbers from here on, up to but without FAST_MAX, are written the fast way
+#define FAST_MAX 1e14
+
+__extension__ typedef unsigned __int128 wide_t;
+
+// A number taken apart: mantissa x 2^exponent, the mantissa of 53 bits.
+struct binary {
+    uint64_t mantissa;
+    int exponent;
+};
+
+// Some digits of a number: the first has weight 10^leading.
+struct digits {
+    uint64_t digits;
+    int count;
+    int leading;
+    bool same; // they read back as the number
+};
+
 static size_t write_slowly(double number, char text[DECIMAL_SIZE])
 {
-    char digits[G_ASCII_DTOSTR_BUF_SIZE];
+    char found[G_ASCII_DTOSTR_BUF_SIZE];
     if (isnan(number))
-        return (size_t)g_snprintf(text, DECIMAL_SIZE, "nan");
+        return g_strlcpy(text, "nan", DECIMAL_SIZE);
     if (isinf(number))
-        return (size_t)g_snprintf(text, DECIMAL_SIZE, number > 0 ? "inf" : "-inf");
-    g_ascii_formatd(digits, sizeof digits, "%.15g", number);
-    if (g_ascii_strtod(digits, NULL) != number)
-        g_ascii_formatd(digits, sizeof digits, "%.17g", number);
-    return g_strlcpy(text, digits, DECIMAL_SIZE);
+        return g_strlcpy(text, number > 0 ? "inf" : "-inf", DECIMAL_SIZE);
+    for (int count = DIGITS_EXACT; count <= DIGITS_ALL; count++) {
+        char format[8];
+        g_snprintf(format, sizeof format, "%%.%dg", count);
+        g_ascii_formatd(found, sizeof found, format, number);
+        if (g_ascii_strtod(found, NULL) == number)
+            break;
+    }
+    return g_strlcpy(text, found, DECIMAL_SIZE);
 }
 
 // Writes 0.00123, 12.3 or 123: `digits` (count of them) with the point behind the one of weight
@@ -157,39 +169,69 @@ static size_t write_digits(uint64_t digits, int count, int leading, char *text)
     return (size_t)(at - text);
 }
 
-// Scaled to an integer of 17 digits in 64 bits of mantissa, a number is off by 0.0055 of the last
-// digit at most, so its rounding is within 0.506 of it; half the distance to the next double is
-// 0.55 or more. So what is written reads back as the same number.
+// `count` digits of the number, its first taken to have weight 10^leading, rounded to the nearest
+// and to even between two. The number times 10^scale is the whole number mantissa x 5^scale divided
+// by 2^shift: in the fast range all of it is exact in 128 bits.
+static struct digits round_to(struct binary number, int count, int leading)
+{
+    const int scale = count - 1 - leading, shift = -(number.exponent + scale);
+    uint64_t fives = 1;
+    for (int i = 0; i < scale; i++)
+        fives *= 5;
+    const wide_t exact = (wide_t)number.mantissa * fives;
+    const wide_t half = (wide_t)1 << (shift - 1), rest = exact & (2 * half - 1);
+    uint64_t digits = (uint64_t)(exact >> shift);
+    digits += rest > half || (rest == half && digits % 2 == 1);
+    // The doubles beside the number are 2^exponent away, fives x 2^-shift in these digits: nearer
+    // than half of that, the digits read back as the number. The one below a power of two is half
+    // as far.
+    const wide_t rounded = (wide_t)digits << shift;
+    const wide_t off = rounded > exact ? rounded - exact : exact - rounded;
+    const bool near_below = number.mantissa == UINT64_C(1) << 52 && rounded < exact;
+    return (struct digits){digits, count, leading, (near_below ? 4 : 2) * off < fives};
+}
+
+// The power of ten at or below 2^exponent, or one less; 1233/4096 is a little below log10(2).
+static int leading_at_least(int exponent)
+{
+    const int product = exponent * 1233;
+    return product >= 0 ? product / 4096 : -((-product + 4095) / 4096);
+}
+
+static size_t write_fast(double size, char *text)
+{
+    int exponent;
+    const double mantissa = ldexp(frexp(size, &exponent), 53);
+    const struct binary number = {(uint64_t)mantissa, exponent - 53};
+    const int leading = leading_at_least(exponent - 1);
+    uint64_t limit = UINT64_C(1000000000000000); // 10^DIGITS_EXACT
+    for (int count = DIGITS_EXACT;; count++, limit *= 10) {
+        struct digits found = round_to(number, count, leading);
+        if (found.digits >= limit)
+            found = round_to(number, count, leading + 1);
+        if (found.same || count == DIGITS_ALL)
+            return write_digits(found.digits, count, found.leading, text);
+    }
+}
+
 size_t decimal_write(double number, char text[DECIMAL_SIZE])
 {
     const double size = fabs(number);
-    if (number == 0) {
-        const bool negative = signbit(number) != 0;
-        memcpy(text, "-0", 2);
-        text[0] = negative ? '-' : '0';
-        return negative ? 2 : 1;
-    }
-    if (!(size >= 1e-4 && size < 1e14))
+    if (number != 0 && !(size >= FAST_MIN && size < FAST_MAX))
         return write_slowly(number, text);
-    int leading = (int)floor(log10(size)); // may be off by one beside a power of ten
-    const int exact_scale = DIGITS_EXACT - 1 - leading, all_scale = DIGITS_ALL - 1 - leading;
     char *at = text;
-    if (number < 0)
+    if (signbit(number) != 0)
         *at++ = '-';
-    uint64_t digits = (uint64_t)llrintl((long double)size * long_powers[exact_scale]);
-    int count = DIGITS_EXACT;
-    if (digits > INTEGER_EXACT_MAX || (double)digits / powers[exact_scale] != size) {
-        digits = (uint64_t)llrintl((long double)size * long_powers[all_scale]);
-        count = DIGITS_ALL;
-    }
-    const uint64_t greatest =
-        count == DIGITS_ALL ? UINT64_C(100000000000000000) : UINT64_C(1000000000000000);
-    if (digits >= greatest) { // rounded up to the next power of ten, or the logarithm was
-        count++;
-        leading++;
-    } else if (digits < greatest / 10) {
-        count--;
-        leading--;
-    }
-    return (size_t)(at - text) + write_digits(digits, count, leading, at);
+    if (number == 0)
+        *at++ = '0';
+    else
+        at += write_fast(size, at);
+    *at = '\0';
+    return (size_t)(at - text);
+}
+
+const char *decimal_text(double number, char text[DECIMAL_SIZE])
+{
+    decimal_write(number, text);
+    return text;
 }
