@@ -234,8 +234,7 @@ static void same_springs_give_the_same_motion(void **state)
 
 // The way of the thesis: a crash of many components, its forces written once a millisecond and
 // spread wider than a patch, seen through 2, 18 and 80 springs. One pair has the forces right and
-// their place wrong; the more springs, the better the place. The thesis has 10 to 85 mm in x and 3
-// to 40 mm in y for its finite-element crashes (table 7.1).
+// their place wrong; the more springs, the better the place.
 static void fewer_springs_come_near(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
-# Draws worker/kinematics/measured.svg, the paths of measured and simulated cars:
+# Draws worker/kinematics/consistency.svg: paths of measured cars and of the model
+# under curves made from them, a consistency check:
 #
-#     mkdir paths && SOBOX_MEASURED_PATHS=paths build/tests/physics/test_physics_measured
-#     (cd paths && gnuplot ../tests/physics/measured.gnuplot >../worker/kinematics/measured.svg)
+#     mkdir paths && SOBOX_MEASURED_PATHS=paths build/tests/physics/test_physics_consistency
+#     (cd paths && gnuplot ../tests/physics/consistency.gnuplot >../worker/kinematics/consistency.svg)
 set terminal svg size 760,330 font "sans-serif,12" background "white"
 set datafile separator ","
 set key top left reverse Left samplen 2
