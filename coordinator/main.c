@@ -7,6 +7,7 @@
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/identity.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep.h"
 #include "common/wire/key.h"
@@ -302,6 +303,8 @@ static enum status begin_scenario(struct run *run, const struct options *options
     enum status status = scenario_read_file(
         &scenario, options->scenario, (const char *const *)overrides->pdata, overrides->len, error);
     if (status == STATUS_OK)
+        plausibility_tell(&scenario);
+    if (status == STATUS_OK)
         status = run_create(run, options->out, &scenario, threads, clock_monotonic_ns(), error);
     scenario_fini(&scenario);
     return status;
@@ -502,6 +505,8 @@ static enum status open_evaluation(struct evaluation *evaluation, const struct o
     guint overrides = options->set != NULL ? g_strv_length(options->set) : 0;
     enum status status = scenario_read_file(&scenario, options->scenario,
                                             (const char *const *)options->set, overrides, error);
+    if (status == STATUS_OK)
+        plausibility_tell(&scenario);
     if (status == STATUS_OK)
         status = evaluation_create(evaluation, options->out, &scenario, options->evaluate,
                                    options->outcomes, clock_monotonic_ns(), error);

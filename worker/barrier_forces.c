@@ -6,6 +6,7 @@
 #include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/scenario_read.h"
 #include "worker/reduction/doubts.h"
 #include "worker/reduction/reduction.h"
@@ -124,6 +125,7 @@ static enum status read_scenario(const struct options *options, struct scenario 
                          "was measured",
                          options->scenario);
     }
+    plausibility_tell(scenario);
     return STATUS_OK;
 }
 

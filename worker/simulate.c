@@ -5,6 +5,7 @@
 #include "common/base/options.h"
 #include "common/base/streams.h"
 #include "common/base/whole_file.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/scenario_read.h"
 #include "common/table/decimal.h"
 #include "worker/batch/batch.h"
@@ -121,6 +122,9 @@ static enum status read_scenario(const struct options *options, struct scenario 
                                             (const char *const *)options->set, set_count, error);
     if (status == STATUS_IO) {
         error->status = status = STATUS_INVALID;
+    }
+    if (status == STATUS_OK) {
+        plausibility_tell(scenario);
     }
     return status;
 }
@@ -358,6 +362,16 @@ static void set_all_turned(json_t *object, const struct scenario *scenario, cons
     }
 }
 
+// What is not plausible about the scenario.
+static json_t *warnings(const struct scenario *scenario)
+{
+    json_t *texts = json_array();
+    for (uint32_t i = 0; i < scenario->finding_count; i++) {
+        json_array_append_new(texts, json_string(scenario->findings[i].text));
+    }
+    return texts;
+}
+
 // Prints everything as one object. `errors`, which is taken, may be NULL.
 static enum status print_outcomes(const struct scenario *scenario, const double *outcomes,
                                   json_t *errors, struct error *error)
@@ -372,6 +386,7 @@ static enum status print_outcomes(const struct scenario *scenario, const double 
     const struct verdict verdict = batch_verdict(scenario, outcomes, 1);
     json_object_set_new(object, "good", json_boolean(verdict.violation == VERDICT_GOOD));
     json_object_set_new(object, "violated", violated_names(scenario, outcomes));
+    json_object_set_new(object, "warnings", warnings(scenario));
     if (errors != NULL) {
         json_object_set_new(object, "mean_absolute_error", errors);
     }

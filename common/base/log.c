@@ -66,6 +66,14 @@ void log_failure(const struct error *error)
     fprintf(stderr, "%s\n", error->text);
 }
 
+void log_warning(const char *place, const char *text)
+{
+    if (log_level_shown < LOG_NORMAL)
+        return;
+    log_progress_end();
+    fprintf(stderr, "%s: warning: %s\n", place, text);
+}
+
 // Whether there is room for one more note.
 static bool notes_take(int64_t now_ns)
 {

@@ -23,6 +23,10 @@ void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 // its line, "FILE:LINE:COLUMN: ...", so that editors find the place; any other as log_error().
 void log_failure(const struct error *error);
 
+// What is doubtful about the user's input but does not end the program: shown as log_failure()
+// shows an error, "PLACE: warning: TEXT", but with LOG_QUIET.
+void log_warning(const char *place, const char *text);
+
 enum {
     LOG_NOTES_BURST = 100,  // notes shown one right after the other
     LOG_NOTE_EACH_MS = 500, // then one in so long [ms]

@@ -2,6 +2,7 @@
 
 #include "common/scenario/constraint.h"
 #include "common/scenario/field.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/words.h"
 
 #include <glib.h>
@@ -67,9 +68,14 @@ static bool read_vehicle(const struct tree_node *node, struct scenario *scenario
 static bool read_barrier(const struct tree_node *node, struct scenario *scenario,
                          struct error *error)
 {
-    struct scenario_barrier *barrier = &scenario->barrier;
-    if (!field_read(node, barrier_fields, G_N_ELEMENTS(barrier_fields), barrier, error))
-        return false;
+    return field_read(node, barrier_fields, G_N_ELEMENTS(barrier_fields), &scenario->barrier,
+                      error);
+}
+
+static bool check_barrier(const struct tree_node *node, const struct scenario *scenario,
+                          struct error *error)
+{
+    const struct scenario_barrier *barrier = &scenario->barrier;
     if (barrier->profile == SCENARIO_PROFILE_ROUNDED && barrier->edge_radius > barrier->width) {
         tree_error(tree_spot(node, "edge_radius"), error,
                    "expected an edge_radius of at most the barrier's width of %g m, found %g",
@@ -82,9 +88,16 @@ static bool read_barrier(const struct tree_node *node, struct scenario *scenario
 static bool read_simulation(const struct tree_node *node, struct scenario *scenario,
                             struct error *error)
 {
-    struct scenario_simulation *simulation = &scenario->simulation;
-    if (!field_read(node, simulation_fields, G_N_ELEMENTS(simulation_fields), simulation, error))
-        return false;
+    return node == NULL || field_read(node, simulation_fields, G_N_ELEMENTS(simulation_fields),
+                                      &scenario->simulation, error);
+}
+
+static bool check_simulation(const struct tree_node *node, const struct scenario *scenario,
+                             struct error *error)
+{
+    const struct scenario_simulation *simulation = &scenario->simulation;
+    if (node == NULL)
+        return true;
     if (simulation->time_step > simulation->duration) {
         tree_error(tree_spot(node, "time_step"), error,
                    "expected a time_step of at most the duration of %g s, found %g",
@@ -195,8 +208,17 @@ static bool place_spring(const struct tree_node *node, const struct scenario *sc
     return true;
 }
 
-static bool read_spring(const struct tree_node *node, const struct scenario *scenario,
-                        struct scenario_spring *spring, struct error *error)
+static bool place_springs(const struct tree_node *node, struct scenario *scenario,
+                          struct error *error)
+{
+    for (uint32_t i = 0; i < scenario->spring_count; i++)
+        if (!place_spring(node->items[i], scenario, &scenario->springs[i], error))
+            return false;
+    return true;
+}
+
+static bool read_spring(const struct tree_node *node, struct scenario_spring *spring,
+                        struct error *error)
 {
     struct spring_document document = {.spring.height = NAN};
     if (!field_read(node, spring_fields, G_N_ELEMENTS(spring_fields), &document, error))
@@ -204,8 +226,7 @@ static bool read_spring(const struct tree_node *node, const struct scenario *sce
     *spring = document.spring;
     return read_deformation(document.deformation, spring, error) &&
            read_force(document.force[SCENARIO_DIRECTION_X], spring, SCENARIO_DIRECTION_X, error) &&
-           read_force(document.force[SCENARIO_DIRECTION_Y], spring, SCENARIO_DIRECTION_Y, error) &&
-           place_spring(node, scenario, spring, error);
+           read_force(document.force[SCENARIO_DIRECTION_Y], spring, SCENARIO_DIRECTION_Y, error);
 }
 
 static bool name_is_new(const struct tree_node *node, const struct scenario *scenario,
@@ -234,7 +255,7 @@ static bool read_springs(const struct tree_node *node, struct scenario *scenario
     scenario->spring_count = node->count;
     scenario->springs = g_new0(struct scenario_spring, node->count);
     for (uint32_t i = 0; i < node->count; i++) {
-        if (!read_spring(node->items[i], scenario, &scenario->springs[i], error) ||
+        if (!read_spring(node->items[i], &scenario->springs[i], error) ||
             !name_is_new(node->items[i], scenario, i, error))
             return false;
     }
@@ -339,17 +360,32 @@ static void add_response(struct scenario *scenario)
     }
 }
 
+// What fits together, and what follows from it.
+static bool complete(const struct crash_document *document, struct scenario *scenario,
+                     struct error *error)
+{
+    return check_barrier(document->barrier, scenario, error) &&
+           check_simulation(document->simulation, scenario, error) &&
+           place_springs(document->springs, scenario, error) &&
+           default_overlap(document, scenario, error);
+}
+
 bool crash_read(const struct crash_document *document, struct scenario *scenario,
                 struct error *error)
 {
     if (!read_vehicle(document->vehicle, scenario, error) ||
         !read_barrier(document->barrier, scenario, error) ||
-        !read_springs(document->springs, scenario, error) ||
-        !default_overlap(document, scenario, error))
+        !read_simulation(document->simulation, scenario, error) ||
+        !read_springs(document->springs, scenario, error))
         return false;
+    plausibility_crash(document, scenario);
+    if (!complete(document, scenario, error)) {
+        // What does not fit mostly follows from a slip, which is the better thing to point at.
+        plausibility_explains(scenario, error);
+        return false;
+    }
     make_variables(scenario);
-    if (!require_free_variable(document->springs, scenario, error) ||
-        (document->simulation != NULL && !read_simulation(document->simulation, scenario, error)))
+    if (!require_free_variable(document->springs, scenario, error))
         return false;
     add_response(scenario);
     return true;

@@ -1,6 +1,7 @@
 #include "common/scenario/scenario.h"
 
 #include "common/scenario/formula.h"
+#include "common/scenario/plausibility_find.h"
 #include "common/scenario/words.h"
 
 #include <assert.h>
@@ -116,6 +117,7 @@ void scenario_fini(struct scenario *scenario)
     curve_map_fini(&scenario->curves);
     box_fini(&scenario->design_space);
     g_free(scenario->constraints);
+    plausibility_find_free(scenario);
     g_free(scenario->text);
     *scenario = (struct scenario){0};
 }

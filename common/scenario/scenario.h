@@ -10,6 +10,7 @@
 #include "common/protocol/protocol.h"
 #include "common/scenario/outcome.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -97,6 +98,16 @@ struct scenario_constraint {
     double min;       // -INFINITY where there is none
     double max;       // INFINITY where there is none
     double scale;     // > 0: relative violation = (min - value or value - max) / scale
+};
+
+// Something that cannot be meant, or is unlikely (plausibility.h).
+struct scenario_finding {
+    int check;        // enum plausibility_check: the row of the table
+    bool error;       // it cannot be meant; else it is unlikely
+    bool likely;      // the text names a likely slip
+    const char *slip; // the unit that was probably meant, or NULL; never released
+    char *place;      // "sedan.yaml:14:9"
+    char *text;       // "vehicle.mass: mass of 1.65 kg, expected ..."
 };
 
 #define SCENARIO_EXPLAIN_AUTO UINT32_MAX
@@ -211,6 +222,10 @@ struct scenario {
     struct scenario_constraint *constraints; // (constraint_count) of the response or formula, then
                                              // the user's; with cases, case by case
     uint32_t constraint_count;               // 1..SCENARIO_CONSTRAINT_MAX
+
+    // What is not plausible about the file's numbers: with cases, about those of the cases.
+    struct scenario_finding *findings; // (finding_count)
+    uint32_t finding_count;
 
     // Of a case NULL, 0 and zeroed.
     char *text;           // the complete scenario as canonical YAML, overrides applied

@@ -4,6 +4,7 @@
 #include "common/scenario/crash_read.h"
 #include "common/scenario/field.h"
 #include "common/scenario/formula_read.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/search_read.h"
 #include "common/scenario/tree.h"
 #include "common/scenario/words.h"
@@ -95,12 +96,16 @@ static bool read_document(const struct tree_node *root, struct document *documen
     if (!read_keys(root, document, error))
         return false;
     document->formula.root = root;
+    document->crash.firewall_distance = tree_child(root, "firewall_distance");
     bool read = scenario->model == SCENARIO_MODEL_SMALL_OVERLAP
                     ? crash_read(&document->crash, scenario, error)
                     : formula_read(&document->formula, scenario, error);
-    return read && constraint_read(document->constraints, scenario, error) &&
-           require_constraint(root, scenario, error) &&
-           (document->search == NULL || search_read(document->search, scenario, error));
+    if (!read || !constraint_read(document->constraints, scenario, error) ||
+        !require_constraint(root, scenario, error) ||
+        (document->search != NULL && !search_read(document->search, scenario, error)))
+        return false;
+    plausibility_constraints(document->constraints, scenario);
+    return true;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -251,6 +256,7 @@ static bool read_cases(const struct tree *tree, const struct tree_node *node,
         if (!read_case(tree, node->items[i], scenario, i, error))
             return false;
     }
+    plausibility_join_cases(scenario);
     return join_constraints(node, scenario, error);
 }
 
@@ -304,7 +310,13 @@ enum status scenario_read_file(struct scenario *scenario, const char *path,
                                const char *const *overrides, size_t override_count,
                                struct error *error)
 {
-    return read_overridden(scenario, tree_load(path, error), overrides, override_count, error);
+    enum status status =
+        read_overridden(scenario, tree_load(path, error), overrides, override_count, error);
+    if (status == STATUS_OK && plausibility_refused(scenario, error)) {
+        scenario_fini(scenario);
+        status = STATUS_INVALID;
+    }
+    return status;
 }
 
 enum status scenario_read_text(struct scenario *scenario, const char *source, const char *text,

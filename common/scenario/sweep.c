@@ -1,6 +1,7 @@
 #include "common/scenario/sweep.h"
 
 #include "common/scenario/field.h"
+#include "common/scenario/plausibility.h"
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep_state.h"
 
@@ -216,6 +217,10 @@ enum status sweep_scenario(const struct sweep *sweep, uint32_t index, struct sce
     if (status == STATUS_OK)
         status = scenario_read_tree(scenario, tree, &reason);
     tree_free(tree);
+    if (status == STATUS_OK && plausibility_refused(scenario, &reason)) {
+        status = reason.status;
+        scenario_fini(scenario);
+    }
     if (status == STATUS_OK)
         return STATUS_OK;
     char name[SWEEP_CASE_NAME_SIZE];

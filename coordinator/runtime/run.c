@@ -132,6 +132,40 @@ static void note_overlap(const struct run_cases *cases)
             cases->without_overlap, cases->count);
 }
 
+static bool told_already(const struct run_cases *cases, uint32_t hash)
+{
+    for (uint32_t i = 0; i < cases->told_count; i++)
+        if (cases->told[i] == hash)
+            return true;
+    return false;
+}
+
+// One warning a place and row of the table: the same place in the base is that of all cases.
+static void tell_warnings(struct run_cases *cases, const struct scenario *scenario,
+                          const char *name)
+{
+    cases->implausible += scenario->finding_count > 0;
+    for (uint32_t i = 0; i < scenario->finding_count; i++) {
+        const struct scenario_finding *finding = &scenario->findings[i];
+        const uint32_t hash = g_str_hash(finding->place) ^ (uint32_t)finding->check;
+        if (cases->told_count == RUN_WARNINGS_MAX || told_already(cases, hash))
+            continue;
+        cases->told[cases->told_count++] = hash;
+        char *text = g_strdup_printf("%s (in the case %s)", finding->text, name);
+        log_warning(finding->place, text);
+        g_free(text);
+    }
+}
+
+static void note_warnings(const struct run_cases *cases)
+{
+    if (cases->implausible > 0)
+        log_note(
+            "%u of %u cases are unlikely to be meant as they are: result.json has the warnings "
+            "of each",
+            cases->implausible, cases->count);
+}
+
 enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scenario *scenario,
                            struct error *error)
 {
@@ -145,6 +179,7 @@ enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scen
         struct error reason = {0};
         if (sweep_scenario(cases->sweep, *index, scenario, &reason) == STATUS_OK) {
             cases->count++;
+            tell_warnings(cases, scenario, name);
             cases->without_overlap += !judged_by_overlap(scenario);
             return STATUS_OK;
         }
@@ -164,6 +199,7 @@ enum status run_cases_check(const struct run_cases *cases, struct error *error)
         log_note("%u case%s left out because of an invalid scenario", cases->invalid,
                  cases->invalid == 1 ? " is" : "s are");
     note_overlap(cases);
+    note_warnings(cases);
     if (cases->count > 0)
         return STATUS_OK;
     if (cases->invalid > 0)

@@ -89,6 +89,8 @@ enum status run_create_sweep(struct run *run, const char *directory, const struc
                              const struct run_choice *choice, int threads, int64_t now_ns,
                              struct error *error) MUST_USE;
 
+enum { RUN_WARNINGS_MAX = 20 }; // shown of a sweep; more would bury each other
+
 // The cases of a sweep that `only` and `shard` choose, one after the other: what a run and its
 // preview go through.
 struct run_cases {
@@ -98,13 +100,17 @@ struct run_cases {
     uint32_t count;                  // given so far
     uint32_t invalid;                // left out
     uint32_t without_overlap;        // given so far whose verdicts do not depend on barrier.overlap
+    uint32_t implausible;            // given so far of which something is unlikely
+    uint32_t told[RUN_WARNINGS_MAX]; // (told_count) hashes of warnings that were shown
+    uint32_t told_count;
 };
 
 void run_cases_init(struct run_cases *cases, const struct sweep *sweep,
                     const struct run_choice *choice);
 
 // Gives the next case and its scenario, to be released by the caller; `index` is UINT32_MAX after
-// the last. Errors: STATUS_INVALID (its scenario is, and there is no keep_going).
+// the last. What is unlikely of a case is shown, with its name; what many cases have from the base,
+// once. Errors: STATUS_INVALID (its scenario is, and there is no keep_going).
 enum status run_cases_next(struct run_cases *cases, uint32_t *index, struct scenario *scenario,
                            struct error *error) MUST_USE;
 

@@ -160,5 +160,9 @@ motion|0|vehicle.speed|{ $2 *= 0.5 }
 END
     run 2 sobox-barrier-forces "${arguments[@]}" --forces forces.csv --motion motion.csv \
         --set vehicle.speed=17889
+    expect_said err 'likely slip: 17889 mm/s'
+    run 0 sobox-barrier-forces "${arguments[@]}" --forces forces.csv --motion motion.csv \
+        --set vehicle.speed=64.4
     expect_said err 'begins at'
+    expect_said err 'warning: vehicle.speed: .*likely slip: 64.4 km/h'
 }

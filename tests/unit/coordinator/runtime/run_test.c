@@ -23,8 +23,8 @@ static const char text[] = "name: plane\n"
                            "  - name: front\n"
                            "    position: [-0.83, -0.75]\n"
                            "    deformation: [0.0, 1.2]\n"
-                           "    force_x: {lower: 0, upper: 1}\n"
-                           "    force_y: {lower: 0, upper: 1}\n"
+                           "    force_x: {lower: 0, upper: 450e3}\n"
+                           "    force_y: {lower: 0, upper: 250e3}\n"
                            "response: any\n"
                            "firewall_distance: 0.25\n"
                            "search: {samples: 50, exploration_steps: 10, consolidation_steps: 10,\n"
@@ -88,7 +88,7 @@ static void judge(const struct run_search *search)
     for (uint32_t i = 0; i < samples; i++) {
         double sum = 0;
         for (uint32_t v = 0; v < count; v++)
-            sum += values[(size_t)v * samples + i];
+            sum += values[(size_t)v * samples + i] / search->scenario.design_space.upper[v];
         search->verdicts[i].constraint = 0;
         search->verdicts[i].violation = verdict_violation(sum / count - 0.6);
     }
