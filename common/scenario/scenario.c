@@ -6,6 +6,7 @@
 
 #include <assert.h>
 #include <glib.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -102,6 +103,22 @@ static void search_fini(struct scenario_search *search)
     g_free(search->hold.lower);
     g_free(search->hold.upper);
     g_free(search->tie);
+}
+
+static bool both_held(const struct scenario_hold *hold, uint32_t variable)
+{
+    return hold->lower != NULL && hold->upper != NULL && !isnan(hold->lower[variable]) &&
+           !isnan(hold->upper[variable]);
+}
+
+bool scenario_is_box(const struct scenario *scenario)
+{
+    const struct box *space = &scenario->design_space;
+    for (uint32_t v = 0; v < space->count; v++) {
+        if (space->lower[v] < space->upper[v] && !both_held(&scenario->search.hold, v))
+            return false;
+    }
+    return true;
 }
 
 void scenario_fini(struct scenario *scenario)

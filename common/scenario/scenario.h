@@ -148,11 +148,13 @@ struct scenario_search {
                           // design space and what is held. Whether it is good is for the search to
                           // find out. With `start_box`, inside that too
 
-    double *weights;           // > 0; 1 where none is given. The search makes the sum of weight x
-                               // ln(width) over the free variables large. Results still state the
-                               // plain log_volume
-    double *minimum_widths;    // >= 0, at most the variable's width in the design space (or, where
-                               // both bounds are held, between them); 0 where none is given
+    double *weights;        // > 0; 1 where none is given. The search makes the sum of weight x
+                            // ln(width) over the free variables large. Results still state the
+                            // plain log_volume
+    double *minimum_widths; // >= 0, at most the variable's width in the design space (or, where
+                            // both bounds are held, between them); 0 where none is given
+    // Of a `box` in the file, which is to be certified, all bounds are held, and nothing else that
+    // shapes a box is given.
     struct scenario_hold hold; // bounds of corridors that stay where they are, inside the design
                                // space, lower not above upper. Held both and equal, a variable has
                                // that one value
@@ -245,6 +247,9 @@ uint32_t scenario_outcome_count(const struct scenario *scenario);
 
 // The outcome of that name, or scenario_outcome_count() when there is none.
 uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name);
+
+// Whether every bound is held: there is a box to certify, and nothing to search.
+bool scenario_is_box(const struct scenario *scenario);
 
 // Writes the outcome's name, for instance "s_L", "energy_absorbed.front", or with cases
 // "wagon.s_L"; returns `name`.

@@ -23,6 +23,7 @@ struct search_document {
     const struct tree_node *weights;
     const struct tree_node *minimum_widths;
     const struct tree_node *hold;
+    const struct tree_node *box;
     const struct tree_node *tie;
 };
 
@@ -56,6 +57,7 @@ static const struct field search_fields[] = {
     {"reference", FIELD_NODE, .optional = true, AT(search_document, reference)},
     {"weights", FIELD_NODE, .optional = true, AT(search_document, weights)},
     {"minimum_widths", FIELD_NODE, .optional = true, AT(search_document, minimum_widths)},
+    {"box", FIELD_NODE, .optional = true, AT(search_document, box)},
     {"hold", FIELD_NODE, .optional = true, AT(search_document, hold)},
     {"tie", FIELD_NODE, .optional = true, AT(search_document, tie)},
 };
@@ -105,13 +107,13 @@ static const struct field box_fields[] = {
     {"upper", FIELD_NODE, AT(bounds_document, upper), .expected = "a number for every variable"},
 };
 
-static bool read_start_box(const struct tree_node *node, const struct scenario *scenario,
-                           struct scenario_search *search, struct error *error)
+// Reads a whole box; what was read of one that is refused is the caller's to release as well.
+static bool read_box(const struct tree_node *node, const struct scenario *scenario, struct box *box,
+                     struct error *error)
 {
     struct bounds_document document = {0};
     if (!field_read(node, box_fields, G_N_ELEMENTS(box_fields), &document, error))
         return false;
-    struct box *box = &search->start_box;
     box->lower = read_design(document.lower, scenario, error);
     box->upper = box->lower != NULL ? read_design(document.upper, scenario, error) : NULL;
     box->count = scenario->design_space.count;
@@ -163,17 +165,19 @@ static void held_interval(const struct scenario *scenario, const struct scenario
         *upper = hold->upper[variable];
 }
 
-// Something must be left to search for: a free variable of which not both bounds are held.
-static bool leaves_freedom(const struct tree_node *node, const struct scenario *scenario,
-                           const struct scenario_hold *hold, struct error *error)
+// Some corridor must have a width: one design alone is no box.
+static bool leaves_width(const struct tree_node *node, const struct scenario *scenario,
+                         const struct scenario_hold *hold, struct error *error)
 {
     for (uint32_t i = 0; i < scenario->design_space.count; i++) {
-        if (scenario->design_space.lower[i] < scenario->design_space.upper[i] &&
-            (hold->lower == NULL || hold->upper == NULL || isnan(hold->lower[i]) ||
-             isnan(hold->upper[i])))
+        double lower, upper;
+        held_interval(scenario, hold, i, &lower, &upper);
+        if (lower < upper)
             return true;
     }
-    tree_error(node, error, "every bound is held: expected at least one that may move");
+    tree_error(node, error,
+               "every variable has one value: expected a lower bound below its upper one "
+               "(sobox-simulate looks at one design)");
     return false;
 }
 
@@ -204,7 +208,18 @@ static bool read_hold(const struct tree_node *node, const struct scenario *scena
                    scenario->variables[i].name, lower, upper);
         return false;
     }
-    return leaves_freedom(node, scenario, hold, error);
+    return leaves_width(node, scenario, hold, error);
+}
+
+// A box to certify: all of its bounds are held.
+static bool read_given_box(const struct tree_node *node, const struct scenario *scenario,
+                           struct scenario_search *search, struct error *error)
+{
+    struct box box = {0};
+    const bool read = read_box(node, scenario, &box, error);
+    search->hold.lower = box.lower;
+    search->hold.upper = box.upper;
+    return read && leaves_width(node, scenario, &search->hold, error);
 }
 
 static bool same_number(const double *numbers, uint32_t a, uint32_t b)
@@ -350,7 +365,7 @@ static bool read_lists(const struct tree_node *node, const struct search_documen
         return false;
     return (document->start == NULL || read_start(document->start, scenario, search, error)) &&
            (document->start_box == NULL ||
-            read_start_box(document->start_box, scenario, search, error)) &&
+            read_box(document->start_box, scenario, &search->start_box, error)) &&
            (document->hold == NULL || read_hold(document->hold, scenario, search, error)) &&
            (document->tie == NULL || tie_read(document->tie, scenario, search, error)) &&
            check_tie(node, scenario, search, error) &&
@@ -364,6 +379,9 @@ bool search_read(const struct tree_node *node, struct scenario *scenario, struct
     if (!field_read(node, search_fields, G_N_ELEMENTS(search_fields), &document, error))
         return false;
     scenario->search = document.search;
-    return check_counts(node, scenario, &scenario->search, error) &&
-           read_lists(node, &document, scenario, error);
+    if (!check_counts(node, scenario, &scenario->search, error))
+        return false;
+    // What says how to search, or which box to find, is not looked at where there is one.
+    return document.box != NULL ? read_given_box(document.box, scenario, &scenario->search, error)
+                                : read_lists(node, &document, scenario, error);
 }

@@ -28,6 +28,13 @@ const char *explain_holder_name(enum explain_holder holder)
 
 // ---- how much to spend
 
+// Of a box that is certified as it is, every bound is looked at: none of them has to stay.
+static const struct scenario_hold *held_bounds(const struct scenario *scenario)
+{
+    static const struct scenario_hold none;
+    return scenario_is_box(scenario) ? &none : &scenario->search.hold;
+}
+
 static bool is_held(const double *held, uint32_t variable)
 {
     return held != NULL && !isnan(held[variable]);
@@ -36,7 +43,7 @@ static bool is_held(const double *held, uint32_t variable)
 uint32_t explain_steps_most(const struct scenario *scenario)
 {
     const struct box *space = &scenario->design_space;
-    const struct scenario_hold *hold = &scenario->search.hold;
+    const struct scenario_hold *hold = held_bounds(scenario);
     uint32_t count = 0;
     for (uint32_t v = 0; v < space->count; v++) {
         if (space->lower[v] < space->upper[v])
@@ -79,11 +86,10 @@ uint64_t explain_reserve(const struct scenario *scenario)
 static enum explain_holder holder_by_itself(const struct explain *explain, uint32_t v, bool upper)
 {
     const struct box *space = &explain->scenario->design_space;
-    const struct scenario_hold *hold = &explain->scenario->search.hold;
+    const struct scenario_hold *hold = held_bounds(explain->scenario);
     const double whole = space->upper[v] - space->lower[v];
     if (!(explain->box.lower[v] < explain->box.upper[v]))
-        return whole > 0 && (is_held(hold->lower, v) || is_held(hold->upper, v)) ? EXPLAIN_HELD
-                                                                                 : EXPLAIN_FIXED;
+        return whole > 0 ? EXPLAIN_HELD : EXPLAIN_FIXED;
     if (is_held(upper ? hold->upper : hold->lower, v))
         return EXPLAIN_HELD;
     const double gap =

@@ -457,6 +457,7 @@ static void complete_certify(struct search *search)
         return;
     }
     const bool hopeless = certificate->looks == CERTIFICATE_LOOKS ||
+                          scenario_is_box(search->scenario) ||
                           certificate_bad_max(certificate, settings->certificate_samples,
                                               settings->target_purity) < 0;
     if (hopeless) {
@@ -532,6 +533,15 @@ void search_complete(struct search *search, const struct verdict *verdicts)
 
 // ---- making and asking
 
+// There is a box, and nothing to search: it is certified as it is.
+static void take_given_box(struct search *search)
+{
+    if (search->scenario->search.promise == PROMISE_EVERY)
+        search_every_take(search);
+    else
+        take_whole_space(search);
+}
+
 struct search *search_create(const struct scenario *scenario, uint64_t seed, int threads)
 {
     assert(threads > 0);
@@ -556,6 +566,8 @@ struct search *search_create(const struct scenario *scenario, uint64_t seed, int
     given_box(&search->given, &search->seek.box);
     consolidate_init(&search->consolidate, &search->frame.space);
     search->phase = SEARCH_PHASE_SEEK;
+    if (scenario_is_box(scenario))
+        take_given_box(search);
     ask_next(search);
     return search;
 }

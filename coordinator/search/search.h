@@ -5,6 +5,9 @@
 //     seek -> explore (grow, sample, trim) -> consolidate (sample, trim) -> certify -> explain ->
 //     done
 //
+// Where every bound is held there is nothing to search: the search begins with certify, and ends
+// with the box as it is, whatever is found in it.
+//
 // The last phase changes nothing in the box: it samples just outside it, to say what holds it
 // (explain.h). It may be left out.
 //

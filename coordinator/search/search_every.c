@@ -63,17 +63,23 @@ static void enter(struct search *search, enum search_every_stage stage, enum sea
     search->phase = phase;
 }
 
-void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps)
+// Without a start there is the whole space alone.
+static void begin(struct search *search, const struct cloud *starts, uint32_t steps)
 {
     struct search_every *every = &search->every;
-    struct cloud few = *starts;
-    const uint32_t most = steps / EVERY_STEPS_A_START > 1 ? steps / EVERY_STEPS_A_START : 1;
-    few.count = few.count < most ? few.count : most;
     box_init(&every->box, search->frame.space.count);
     box_init(&every->worst, search->frame.all.count);
     robust_init(&every->robust, &search->frame, &search->demands, &search->scenario->curves,
-                search->scenario->constraint_count, search->seed, &few, steps);
+                search->scenario->constraint_count, search->seed, starts, steps);
     cutting_set_centre(set_of(search), &every->box);
+}
+
+void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps)
+{
+    struct cloud few = *starts;
+    const uint32_t most = steps / EVERY_STEPS_A_START > 1 ? steps / EVERY_STEPS_A_START : 1;
+    few.count = few.count < most ? few.count : most;
+    begin(search, &few, steps);
     enter(search, EVERY_GROW, SEARCH_PHASE_EXPLORE);
 }
 
@@ -89,6 +95,12 @@ static void attack(struct search *search)
     search->every.margin = INFINITY;
     cutting_set_stand(set_of(search));
     enter(search, EVERY_ATTACK, SEARCH_PHASE_CERTIFY);
+}
+
+void search_every_take(struct search *search)
+{
+    begin(search, &(struct cloud){0}, 0);
+    attack(search);
 }
 
 // A bad design was found in the box.
@@ -134,7 +146,7 @@ static void complete_attack(struct search *search, const struct verdict *verdict
         note_worst(search, report->worst, report->margin);
     if (every->stage == EVERY_MEND && every->stage_steps == EVERY_MEND_STEPS)
         attack(search);
-    else if (every->stage == EVERY_ATTACK && report->bad > 0)
+    else if (every->stage == EVERY_ATTACK && report->bad > 0 && !scenario_is_box(search->scenario))
         mend(search);
     else if (every->stage == EVERY_ATTACK && every->stage_steps == EVERY_ATTACK_STEPS)
         enter(search, EVERY_CERTIFY, SEARCH_PHASE_CERTIFY);
@@ -167,7 +179,7 @@ static void complete_kind(struct search *search, const struct verdict *verdicts)
         if (verdicts[i].violation != VERDICT_GOOD && taken++ < ADVERSARY_SCOUTS)
             attack_by(search, i, &verdicts[i]);
     }
-    if (bad > 0 && certificate->looks < CERTIFICATE_LOOKS) {
+    if (bad > 0 && certificate->looks < CERTIFICATE_LOOKS && !scenario_is_box(search->scenario)) {
         mend(search);
         return;
     }

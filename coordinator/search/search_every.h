@@ -33,6 +33,10 @@ struct search_every {
 // Begins with these starts (free variables).
 void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps);
 
+// Attacks and certifies the whole space of the search: a box in which nothing may move, and which
+// is not mended.
+void search_every_take(struct search *search);
+
 // Whether the promise is being worked on; then what to sample next, and the verdicts, are its.
 bool search_every_active(const struct search *search);
 

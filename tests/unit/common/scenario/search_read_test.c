@@ -146,6 +146,33 @@ static void boxes_and_held_bounds_arrive(void **state)
     scenario_fini(&s);
 }
 
+// A box leaves nothing to search: all bounds are held, and what would shape a box is not looked at.
+static void a_box_holds_every_bound(void **state)
+{
+    (void)state;
+    struct scenario s = read_valid(plane, "box: {lower: {a: 1, b: 2}, upper: [8, 9, 4]}\n"
+                                          "start_box: {lower: 0, upper: 3}\n"
+                                          "hold: {upper: {b: 7}}\n"
+                                          "reference: {a: 9, b: 2}\n"
+                                          "weights: 2\n");
+    assert_numbers(s.search.hold.lower, (const double[]){1, 2, 4}, 3);
+    assert_numbers(s.search.hold.upper, (const double[]){8, 9, 4}, 3);
+    assert_int_equal(s.search.start_box.count, 0);
+    assert_null(s.search.reference);
+    assert_null(s.search.weights);
+    assert_true(scenario_is_box(&s));
+    scenario_fini(&s);
+    s = read_valid(plane, "hold: {lower: {a: 1, b: 2}, upper: {a: 8, b: 9}}");
+    assert_true(scenario_is_box(&s)); // c is fixed
+    scenario_fini(&s);
+    s = read_valid(plane, "hold: {lower: {a: 1, b: 2}, upper: {a: 8}}");
+    assert_false(scenario_is_box(&s));
+    scenario_fini(&s);
+    s = read_valid(plane, "samples: 10");
+    assert_false(scenario_is_box(&s));
+    scenario_fini(&s);
+}
+
 // A tie points at its first variable whatever the order in which the names are given.
 static void ties_point_at_the_first(void **state)
 {
@@ -207,8 +234,20 @@ static void mistakes_are_pointed_at(void **state)
         {plane, "hold: {lower: {a: 6}, upper: {a: 5}}",
          "t.yaml:1:30: hold.upper: expected the upper bound of a at least at the lower one of 6, "
          "found 5"},
-        {plane, "hold: {lower: [1, 1, 4], upper: [2, 2, 4]}",
-         "t.yaml:1:7: hold: every bound is held: expected at least one that may move"},
+        {plane, "hold: {lower: [1, 2, 4], upper: [1, 2, 4]}",
+         "t.yaml:1:7: hold: every variable has one value: expected a lower bound below its upper "
+         "one "
+         "(sobox-simulate looks at one design)"},
+        {plane, "box: {lower: [1, 1, 4], upper: [1, 1, 4]}",
+         "t.yaml:1:6: box: every variable has one value: expected a lower bound below its upper "
+         "one "
+         "(sobox-simulate looks at one design)"},
+        {plane, "box: {lower: [1, 3, 4], upper: [2, 2, 4]}",
+         "t.yaml:1:32: box.upper: expected b at least at its lower bound of 3, found 2"},
+        {plane, "box: {lower: [1, 1, 4], upper: [2, 12, 4]}",
+         "t.yaml:1:36: box.upper.1: expected b inside the design space, 0 to 10, found 12"},
+        {plane, "box: {lower: {a: 1}, upper: {a: 2, b: 2}}",
+         "t.yaml:1:14: box.lower: b is missing: expected a number for every free variable"},
         {plane, "hold: {lower: {a: -1}}",
          "t.yaml:1:19: hold.lower.a: expected a inside the design space, 0 to 10, found -1"},
         {plane, "{hold: {lower: {a: 3}}, start: {a: 2, b: 2}}",
@@ -255,6 +294,7 @@ int main(void)
         cmocka_unit_test(a_start_is_written_in_four_ways),
         cmocka_unit_test(forces_are_named_by_spring_direction_and_point),
         cmocka_unit_test(boxes_and_held_bounds_arrive),
+        cmocka_unit_test(a_box_holds_every_bound),
         cmocka_unit_test(ties_point_at_the_first),
         cmocka_unit_test(mistakes_are_pointed_at),
     };

@@ -149,6 +149,7 @@ static struct scenario scenario_of(const struct setting *setting)
     scenario.search.certificate_samples = setting->certificate;
     scenario.search.target_purity = setting->target;
     scenario.search.sampling = SAMPLING_METHOD_UNIFORM;
+    scenario.constraint_count = 2; // see evaluate()
     return scenario;
 }
 
@@ -165,6 +166,7 @@ static void evaluate(const struct setting *setting, const struct search_request 
         verdicts[i].constraint = verdicts[i].violation != 0 && relative > 0.5 ? 1 : 0;
         if (request->detail == VERDICT_DETAIL_SHARE && verdicts[i].violation != 0)
             verdicts[i] = (struct verdict){.violation = 1};
+        verdicts[i].margin = (float)-relative;
     }
     g_free(values);
 }
@@ -822,6 +824,50 @@ static void held_bounds_stay(void **state)
     box_fini(&outcome.box);
 }
 
+// A box of which every bound is held is certified as it is: nothing is sought, and one look
+// decides, whatever is found. With the promise of every design one bad corner is found, which a
+// thousandth of the points hits.
+static void given_box_is_certified_as_it_is(void **state)
+{
+    (void)state;
+    static const struct {
+        double half; // width
+        enum promise promise;
+        enum search_status status;
+    } cases[] = {
+        {0.49, PROMISE_POINTS, SEARCH_STATUS_DONE},
+        {0.9, PROMISE_POINTS, SEARCH_STATUS_PURITY_MISSED},
+        {0.52, PROMISE_POINTS, SEARCH_STATUS_DONE}, // with bad corners
+        {0.49, PROMISE_EVERY, SEARCH_STATUS_DONE},
+        {0.52, PROMISE_EVERY, SEARCH_STATUS_PURITY_MISSED},
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+        double lower[3], upper[3];
+        for (int v = 0; v < 3; v++) {
+            lower[v] = -cases[i].half;
+            upper[v] = cases[i].half;
+        }
+        struct setting setting = asking(hypersphere, 3);
+        setting.asked.hold.lower = lower;
+        setting.asked.hold.upper = upper;
+        setting.asked.promise = cases[i].promise;
+        struct outcome_of_search outcome = run(&setting, 1);
+        assert_int_equal(outcome.result.status, cases[i].status);
+        assert_memory_equal(outcome.box.lower, lower, sizeof lower);
+        assert_memory_equal(outcome.box.upper, upper, sizeof upper);
+        assert_int_equal(outcome.steps[SEARCH_PHASE_SEEK] + outcome.steps[SEARCH_PHASE_EXPLORE] +
+                             outcome.steps[SEARCH_PHASE_CONSOLIDATE],
+                         0);
+        assert_int_equal(outcome.result.purity.samples, setting.certificate);
+        setting.replay = true;
+        setting.replay_at = 2;
+        struct outcome_of_search resumed = run(&setting, 1);
+        assert_true(digest_equal(&resumed.result.digest, &outcome.result.digest));
+        box_fini(&resumed.box);
+        box_fini(&outcome.box);
+    }
+}
+
 // Corridors are as wide as asked for, at the cost of the others; where that cannot be had the
 // search says that the purity was missed.
 static void minimum_widths_are_kept(void **state)
@@ -959,6 +1005,7 @@ int main(void)
         cmocka_unit_test(reference_stays_inside),
         cmocka_unit_test(bad_reference_is_refused),
         cmocka_unit_test(held_bounds_stay),
+        cmocka_unit_test(given_box_is_certified_as_it_is),
         cmocka_unit_test(minimum_widths_are_kept),
         cmocka_unit_test(weights_make_corridors_wide),
         cmocka_unit_test(tied_variables_share_a_corridor),
