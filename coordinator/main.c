@@ -11,8 +11,10 @@
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep.h"
 #include "common/wire/key.h"
+#include "coordinator/evaluation/corridors.h"
 #include "coordinator/report/report.h"
 #include "coordinator/runtime/children.h"
+#include "coordinator/runtime/command_line.h"
 #include "coordinator/runtime/coordinator.h"
 #include "coordinator/runtime/evaluate.h"
 #include "coordinator/runtime/preview.h"
@@ -26,277 +28,13 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char program_summary[] =
-    "Finds the widest force-deformation corridors in which every design of the scenario is safe,\n"
-    "and writes them, with the journal of the search, into a run folder.\n"
-    "\n"
-    "Without --url and --workers a worker runs inside this process on all cores, and nothing\n"
-    "touches the network. A file with the key `sweep` is a sweep: a search for each of its cases.\n"
-    "With --evaluate nothing is searched: the designs of a table are simulated, and their "
-    "outcomes\n"
-    "written into outcomes.csv in the run folder.";
-
-static const char program_description[] =
-    "Examples:\n"
-    "  sobox-coordinator sedan-two-springs.yaml\n"
-    "  sobox-coordinator sedan-two-springs.yaml --set response=rotating --out rotating\n"
-    "  sobox-coordinator sedan-two-springs.yaml --workers 3\n"
-    "  sobox-coordinator sedan-two-springs.yaml --url 'udpm://239.255.76.67:7667?ttl=1'\n"
-    "  sobox-coordinator --resume runs/sedan-two-springs\n"
-    "  sobox-coordinator masses.yaml --dry-run\n"
-    "  sobox-coordinator masses.yaml --only 'mass=1500,*'\n"
-    "  sobox-coordinator --evaluate designs.csv sedan-two-springs.yaml --out study\n"
-    "  sobox-coordinator --new-key sobox.key\n"
-    "\n"
-    "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 finished, but no "
-    "good\n"
-    "design was found; 130 interrupted (continue with --resume).";
-
 enum {
-    WORKERS_MAX = 256,  // processes of one machine
-    THREADS_MAX = 1024, // of one process
-    MTU_NOT_GIVEN = -1,
     // Between processes of one machine frames have no say. Of this size six fit the receive buffer
     // that a kernel grants everyone, and larger ones make nothing faster.
     MTU_LOCAL = 32000, // [bytes]
 };
 
-struct options {
-    char *scenario;
-    char *out;
-    char *resume;
-    char *url;
-    char *key_file;
-    char *new_key;
-    char **set; // NULL-terminated
-    char *seed;
-    char *only;
-    char *shard;
-    char *evaluate;
-    char *outcomes;
-    struct run_choice choice; // from only, shard, stop_after and keep_going
-    int stop_after;
-    gboolean keep_going;
-    gboolean dry_run;
-    int workers;
-    int threads;
-    int mtu;
-    gboolean quiet;
-    gboolean verbose;
-    gboolean version;
-};
-
-static void options_fini(struct options *options)
-{
-    g_free(options->scenario);
-    g_free(options->out);
-    g_free(options->resume);
-    g_free(options->url);
-    g_free(options->key_file);
-    g_free(options->new_key);
-    g_free(options->seed);
-    g_free(options->only);
-    g_free(options->shard);
-    g_free(options->evaluate);
-    g_free(options->outcomes);
-    g_strfreev(options->set);
-}
-
-static enum status check_ranges(const struct options *options, struct error *error)
-{
-    if (options->workers < 0 || options->workers > WORKERS_MAX)
-        return error_set(error, STATUS_INVALID, "--workers %d: expected 0 to %d", options->workers,
-                         WORKERS_MAX);
-    if (options->threads < 0 || options->threads > THREADS_MAX)
-        return error_set(error, STATUS_INVALID, "--threads %d: expected 0 (all processors) to %d",
-                         options->threads, THREADS_MAX);
-    if (options->mtu != MTU_NOT_GIVEN &&
-        (options->mtu < WIRE_MTU_DEFAULT || options->mtu > WIRE_MTU_MAX))
-        return error_set(error, STATUS_INVALID, "--mtu %d: expected %d to %d bytes", options->mtu,
-                         WIRE_MTU_DEFAULT, WIRE_MTU_MAX);
-    return STATUS_OK;
-}
-
-// "2/5" is every fifth case from the second one on.
-static bool parse_shard(const char *text, struct run_choice *choice)
-{
-    unsigned shard, count;
-    int length = 0;
-    if (text[0] == '-' || text[0] == '+' || strpbrk(text, " \t") != NULL ||
-        sscanf(text, "%6u/%6u%n", &shard, &count, &length) != 2 || text[length] != '\0' ||
-        shard < 1 || shard > count)
-        return false;
-    choice->shard = shard;
-    choice->shard_count = count;
-    return true;
-}
-
-static enum status check_choice(struct options *options, struct error *error)
-{
-    struct run_choice *choice = &options->choice;
-    *choice = (struct run_choice){.only = options->only,
-                                  .shard = 1,
-                                  .shard_count = 1,
-                                  .stop_after = (uint32_t)options->stop_after,
-                                  .keep_going = options->keep_going};
-    if (options->stop_after < 0)
-        return error_set(error, STATUS_INVALID, "--stop-after %d: expected 1 search or more",
-                         options->stop_after);
-    if (options->shard != NULL && !parse_shard(options->shard, choice))
-        return error_set(error, STATUS_INVALID,
-                         "--shard %s: expected which part of how many, for instance 1/2",
-                         options->shard);
-    return STATUS_OK;
-}
-
-// Options that only a sweep can honour, whatever they are given with.
-static const char *sweep_option(const struct options *options)
-{
-    return options->only != NULL      ? "--only"
-           : options->shard != NULL   ? "--shard"
-           : options->stop_after != 0 ? "--stop-after"
-           : options->keep_going      ? "--keep-going"
-           : options->dry_run         ? "--dry-run"
-                                      : NULL;
-}
-
-static enum status check_evaluate(const struct options *options, struct error *error)
-{
-    if (options->outcomes != NULL && (options->evaluate == NULL || options->resume != NULL))
-        return error_set(error, STATUS_INVALID,
-                         "--outcomes goes with --evaluate, when it is begun");
-    if (options->evaluate == NULL)
-        return STATUS_OK;
-    if (options->seed != NULL || sweep_option(options) != NULL)
-        return error_set(error, STATUS_INVALID, "--evaluate searches nothing: it goes without %s",
-                         options->seed != NULL ? "--seed" : sweep_option(options));
-    if (options->scenario != NULL && sweep_detect(options->scenario))
-        return error_set(error, STATUS_INVALID,
-                         "--evaluate goes with a scenario, and %s is a sweep", options->scenario);
-    return STATUS_OK;
-}
-
-static enum status check_together(const struct options *options, struct error *error)
-{
-    if (options->new_key != NULL) {
-        if (options->scenario != NULL || options->resume != NULL || options->key_file != NULL ||
-            options->evaluate != NULL)
-            return error_set(error, STATUS_INVALID,
-                             "--new-key makes a key and ends: it goes without a scenario, "
-                             "--evaluate, --resume and --key-file");
-        return STATUS_OK;
-    }
-    if (options->resume != NULL) {
-        if (options->scenario != NULL || options->out != NULL || options->seed != NULL ||
-            options->set != NULL || options->shard != NULL || options->keep_going ||
-            options->dry_run)
-            return error_set(error, STATUS_INVALID,
-                             "--resume continues a run as it was begun: it goes without a "
-                             "scenario, --out, --seed, --set, --shard, --keep-going and --dry-run");
-        return STATUS_OK;
-    }
-    if (options->scenario == NULL)
-        return error_set(error, STATUS_INVALID,
-                         "no scenario: expected sobox-coordinator SCENARIO.yaml (see --help)");
-    // What it holds is looked at before it is read, and of a pipe nothing is left by then.
-    GStatBuf file;
-    if (g_stat(options->scenario, &file) == 0 && S_ISFIFO(file.st_mode))
-        return error_set(error, STATUS_INVALID,
-                         "%s:1:1: expected a file, found a pipe, which can be read only once",
-                         options->scenario);
-    if (sweep_option(options) != NULL && !sweep_detect(options->scenario)) {
-        // A file that is no YAML at all is better told by its own error.
-        struct scenario scenario;
-        enum status status = scenario_read_file(&scenario, options->scenario, NULL, 0, error);
-        if (status == STATUS_OK)
-            status = error_set(error, STATUS_INVALID, "%s goes with a sweep, and %s is a scenario",
-                               sweep_option(options), options->scenario);
-        scenario_fini(&scenario);
-        return status;
-    }
-    return STATUS_OK;
-}
-
-static enum status options_parse(struct options *options, int argc, char **argv,
-                                 struct error *error)
-{
-    *options = (struct options){.mtu = MTU_NOT_GIVEN};
-    // FILENAME takes the bytes as they come. STRING would convert them from the alphabet of the
-    // locale, and programs that write the same numbers everywhere set none.
-    const GOptionEntry entries[] = {
-        {"out", 'o', 0, G_OPTION_ARG_FILENAME, &options->out,
-         "Run folder, absent or empty (default: the first free of runs/NAME, runs/NAME-2, ...)",
-         "DIR"},
-        {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
-         "Override a key of the scenario, for instance response=rotating or "
-         "springs.front.force_y.upper=2e5; may be repeated",
-         "KEY.PATH=VALUE"},
-        {"seed", 0, 0, G_OPTION_ARG_STRING, &options->seed,
-         "Seed of the random numbers: short for --set search.seed=SEED", "SEED"},
-        {"workers", 'w', 0, G_OPTION_ARG_INT, &options->workers,
-         "Start N worker processes on this machine", "N"},
-        {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
-         "Use the workers that listen on this LCM URL, for instance "
-         "udpm://239.255.76.67:7667?ttl=1, or that share this hub, tcpq://ADDRESS:PORT",
-         "LCM_URL"},
-        {"key-file", 'k', 0, G_OPTION_ARG_FILENAME, &options->key_file,
-         "Seal all messages with the key in this file, the same for all workers and monitors",
-         "FILE"},
-        {"new-key", 0, 0, G_OPTION_ARG_FILENAME, &options->new_key,
-         "Make a key, write it to this new file, and end", "FILE"},
-        {"threads", 't', 0, G_OPTION_ARG_INT, &options->threads,
-         "Threads of this process and of each worker it starts (default: all processors)", "N"},
-        {"mtu", 0, 0, G_OPTION_ARG_INT, &options->mtu,
-         "Greatest message in bytes, the same for all workers (default: 1400; for --evaluate "
-         "without "
-         "--url 32000)",
-         "BYTES"},
-        {"only", 0, 0, G_OPTION_ARG_FILENAME, &options->only,
-         "Of a sweep run the cases whose names match, for instance 'mass=1500,*'", "PATTERN"},
-        {"shard", 0, 0, G_OPTION_ARG_STRING, &options->shard,
-         "Of a sweep run every N-th case from the I-th on, to split it over coordinators", "I/N"},
-        {"stop-after", 0, 0, G_OPTION_ARG_INT, &options->stop_after,
-         "Of a sweep run N searches now; --resume runs the rest", "N"},
-        {"keep-going", 0, 0, G_OPTION_ARG_NONE, &options->keep_going,
-         "Leave out cases of a sweep whose scenario is invalid, and say which", NULL},
-        {"dry-run", 0, 0, G_OPTION_ARG_NONE, &options->dry_run,
-         "Print the cases of a sweep, estimate its time from a short measurement, and end", NULL},
-        {"evaluate", 'e', 0, G_OPTION_ARG_FILENAME, &options->evaluate,
-         "Evaluate the designs of this table, a row each, a column a variable as result.json names "
-         "them; - is standard input",
-         "DESIGNS.csv"},
-        {"outcomes", 0, 0, G_OPTION_ARG_STRING, &options->outcomes,
-         "With --evaluate write these only, for instance s_L,AbWAP (default: all)", "NAMES"},
-        {"resume", 'r', 0, G_OPTION_ARG_FILENAME, &options->resume,
-         "Continue the run in this folder, to the same bits", "DIR"},
-        {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show the result and errors only",
-         NULL},
-        {"verbose", 'v', 0, G_OPTION_ARG_NONE, &options->verbose, "Show every decision", NULL},
-        G_OPTION_ENTRY_NULL,
-    };
-    const struct options_program program = {
-        .argument = "SCENARIO.yaml",
-        .summary = program_summary,
-        .description = program_description,
-        .entries = entries,
-    };
-    struct options_common common;
-    enum status status = options_read(&program, argc, argv, &common, error);
-    options->version = common.version;
-    options->scenario = common.argument;
-    if (status != STATUS_OK || options->version)
-        return status;
-    status = check_ranges(options, error);
-    if (status == STATUS_OK)
-        status = check_choice(options, error);
-    if (status == STATUS_OK)
-        status = check_evaluate(options, error);
-    if (status == STATUS_OK)
-        status = check_together(options, error);
-    return status;
-}
-
-static enum status begin_scenario(struct run *run, const struct options *options,
+static enum status begin_scenario(struct run *run, const struct command_line *options,
                                   const GPtrArray *overrides, int threads, struct error *error)
 {
     struct scenario scenario;
@@ -311,7 +49,7 @@ static enum status begin_scenario(struct run *run, const struct options *options
 }
 
 // With --dry-run nothing is begun, and `run` stays zeroed.
-static enum status begin_sweep(struct run *run, const struct options *options,
+static enum status begin_sweep(struct run *run, const struct command_line *options,
                                const GPtrArray *overrides, int threads, struct error *error)
 {
     struct sweep *sweep;
@@ -328,8 +66,46 @@ static enum status begin_sweep(struct run *run, const struct options *options,
     return status;
 }
 
+// The scenario of a sweep's first case: its springs are those of all cases, or their own say which
+// differ.
+static enum status read_first_case(struct scenario *scenario, const char *path,
+                                   const GPtrArray *overrides, struct error *error)
+{
+    struct sweep *sweep;
+    *scenario = (struct scenario){0};
+    enum status status =
+        sweep_read_file(&sweep, path, (const char *const *)overrides->pdata, overrides->len, error);
+    if (status == STATUS_OK)
+        status = sweep_scenario(sweep, 0, scenario, error);
+    sweep_free(sweep);
+    return status;
+}
+
+// Adds the box that is to be certified as one more key of the scenario, which says what its
+// variables are.
+static enum status add_box(GPtrArray *overrides, const struct command_line *options,
+                           struct error *error)
+{
+    struct scenario scenario;
+    struct box box;
+    enum status status =
+        sweep_detect(options->scenario)
+            ? read_first_case(&scenario, options->scenario, overrides, error)
+            : scenario_read_file(&scenario, options->scenario,
+                                 (const char *const *)overrides->pdata, overrides->len, error);
+    if (status == STATUS_OK)
+        status = corridors_read(&box, &scenario, options->certify, error);
+    scenario_fini(&scenario);
+    if (status != STATUS_OK)
+        return status;
+    g_autofree char *text = corridors_text(&box);
+    g_ptr_array_add(overrides, g_strconcat("search.box=", text, NULL));
+    box_fini(&box);
+    return STATUS_OK;
+}
+
 // Begins a run of the scenario or sweep, or takes up the one in the folder to be resumed.
-static enum status open_run(struct run *run, const struct options *options, int threads,
+static enum status open_run(struct run *run, const struct command_line *options, int threads,
                             struct error *error)
 {
     *run = (struct run){0};
@@ -337,17 +113,17 @@ static enum status open_run(struct run *run, const struct options *options, int 
         return run_resume(run, options->resume, &options->choice, threads, clock_monotonic_ns(),
                           error);
 
-    GPtrArray *overrides = g_ptr_array_new();
+    GPtrArray *overrides = g_ptr_array_new_with_free_func(g_free);
     for (char **set = options->set; set != NULL && *set != NULL; set++)
-        g_ptr_array_add(overrides, *set);
-    char *seed = options->seed ? g_strdup_printf("search.seed=%s", options->seed) : NULL;
-    if (seed != NULL)
-        g_ptr_array_add(overrides, seed);
-    enum status status = sweep_detect(options->scenario)
-                             ? begin_sweep(run, options, overrides, threads, error)
-                             : begin_scenario(run, options, overrides, threads, error);
+        g_ptr_array_add(overrides, g_strdup(*set));
+    if (options->seed != NULL)
+        g_ptr_array_add(overrides, g_strconcat("search.seed=", options->seed, NULL));
+    enum status status = options->certify != NULL ? add_box(overrides, options, error) : STATUS_OK;
+    if (status == STATUS_OK)
+        status = sweep_detect(options->scenario)
+                     ? begin_sweep(run, options, overrides, threads, error)
+                     : begin_scenario(run, options, overrides, threads, error);
     g_ptr_array_free(overrides, TRUE);
-    g_free(seed);
     return status;
 }
 
@@ -368,17 +144,17 @@ struct job {
     struct evaluate *evaluate;
 };
 
-static uint32_t mtu_of(const struct options *options, const struct job *job)
+static uint32_t mtu_of(const struct command_line *options, const struct job *job)
 {
-    if (options->mtu != MTU_NOT_GIVEN)
+    if (options->mtu != COMMAND_LINE_NO_MTU)
         return (uint32_t)options->mtu;
     return job->evaluate != NULL && options->url == NULL ? MTU_LOCAL : WIRE_MTU_DEFAULT;
 }
 
 // Opens the wire the options ask for, with a worker of its own where there is no other, and runs.
-static enum status run_on_wire(const struct job *job, const struct options *options, int threads,
-                               const char *url, const struct key *key, struct children *children,
-                               struct error *error)
+static enum status run_on_wire(const struct job *job, const struct command_line *options,
+                               int threads, const char *url, const struct key *key,
+                               struct children *children, struct error *error)
 {
     const uint64_t sender = identity_random();
     const struct wire_settings settings = {.url = url, .mtu = mtu_of(options, job), .key = key};
@@ -406,7 +182,7 @@ static enum status run_on_wire(const struct job *job, const struct options *opti
 }
 
 // Starts local workers first: LCM does not survive a fork.
-static enum status run_with_workers(const struct job *job, const struct options *options,
+static enum status run_with_workers(const struct job *job, const struct command_line *options,
                                     int threads, const struct key *key, struct error *error)
 {
     char *url = NULL;
@@ -465,7 +241,8 @@ static int outcome(const struct run *run, struct error *error)
     return run->found_count == 0 ? EXIT_STATUS_NO_GOOD_DESIGN : EXIT_STATUS_DONE;
 }
 
-static int run_scenario(const struct options *options, const struct key *key, struct error *error)
+static int run_scenario(const struct command_line *options, const struct key *key,
+                        struct error *error)
 {
     const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
     struct run run;
@@ -489,8 +266,8 @@ static int run_scenario(const struct options *options, const struct key *key, st
 
 // Begins an evaluation, or takes up the one in the folder to be resumed, perhaps with a table that
 // has moved.
-static enum status open_evaluation(struct evaluation *evaluation, const struct options *options,
-                                   struct error *error)
+static enum status open_evaluation(struct evaluation *evaluation,
+                                   const struct command_line *options, struct error *error)
 {
     if (options->resume != NULL) {
         enum status status =
@@ -524,7 +301,8 @@ static void print_evaluation(const struct evaluation *evaluation)
     printf("\noutcomes: %s/outcomes.csv\n", evaluation->directory);
 }
 
-static int run_evaluation(const struct options *options, const struct key *key, struct error *error)
+static int run_evaluation(const struct command_line *options, const struct key *key,
+                          struct error *error)
 {
     const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
     struct evaluation evaluation = {.file = -1};
@@ -548,7 +326,7 @@ static int run_evaluation(const struct options *options, const struct key *key, 
     return (int)status_exit(status);
 }
 
-static int run_with_key(const struct options *options, struct error *error)
+static int run_with_key(const struct command_line *options, struct error *error)
 {
     struct key *key = NULL;
     if (options->key_file != NULL) {
@@ -578,10 +356,10 @@ int main(int argc, char **argv)
 {
     streams_start();
     wait_policy_sleep(argv);
-    struct options options;
+    struct command_line options;
     struct error error = {0};
     log_start("sobox-coordinator", LOG_NORMAL);
-    enum status status = options_parse(&options, argc, argv, &error);
+    enum status status = command_line_parse(&options, argc, argv, &error);
     int exit_code = (int)status_exit(status);
     if (status == STATUS_OK && options.version) {
         printf("sobox-coordinator %s\n", SOBOX_VERSION);
@@ -597,6 +375,6 @@ int main(int argc, char **argv)
     }
     if (error.status != STATUS_OK)
         log_failure(&error);
-    options_fini(&options);
+    command_line_fini(&options);
     return exit_code;
 }
