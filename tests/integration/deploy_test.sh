@@ -95,7 +95,7 @@ installation_is_complete_and_its_units_are_valid()
     local build program unit
     build=$(dirname "$(dirname "$(command -v sobox-worker)")")
     run 0 cmake --install "$build" --prefix "$folder/there"
-    for program in coordinator worker hub monitor report simulate barrier-forces; do
+    for program in coordinator worker hub monitor report simulate barrier-forces springs; do
         expect_files "there/bin/sobox-$program" "there/share/man/man1/sobox-$program.1"
     done
     expect_files there/share/sobox/scenarios/sedan-two-springs.yaml there/etc/default/sobox

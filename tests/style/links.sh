@@ -47,7 +47,7 @@ set -eu
         plain["common/scenario/formula.h"] = 1
         pure["coordinator/search"] = pure["coordinator/schedule"] = 1
         pure["common/sampling"] = pure["worker/kinematics"] = pure["worker/models"] = 1
-        pure["worker/reduction"] = 1
+        pure["worker/reduction"] = pure["worker/components"] = 1
     }
     /^sobox_library[(]/ {
         split($0, word, "[( )]")

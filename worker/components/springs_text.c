@@ -1,0 +1,58 @@
+#include "worker/components/springs_text.h"
+#include "common/table/decimal.h"
+
+#include <glib.h>
+
+enum { AXIS_Y = 1, AXIS_Z = 2 };
+
+static void append_list(GString *text, const double *numbers, uint32_t count)
+{
+    char digits[DECIMAL_SIZE];
+    g_string_append_c(text, '[');
+    for (uint32_t i = 0; i < count; i++) {
+        g_string_append_printf(text, "%s%s", i > 0 ? ", " : "", decimal_text(numbers[i], digits));
+    }
+    g_string_append_c(text, ']');
+}
+
+static void append_forces(GString *text, const struct spring *spring,
+                          enum scenario_direction direction)
+{
+    static const char letters[SCENARIO_DIRECTION_COUNT] = {
+        [SCENARIO_DIRECTION_X] = 'x',
+        [SCENARIO_DIRECTION_Y] = 'y',
+    };
+    g_string_append_printf(text, "    force_%c: {lower: 0, upper: ", letters[direction]);
+    append_list(text, spring->force_upper[direction], spring->point_count);
+    g_string_append(text, "}\n");
+}
+
+static void append_spring(GString *text, const struct spring *spring, const struct group *group)
+{
+    char digits[2][DECIMAL_SIZE];
+    const struct component_box *box = &group->box;
+    g_string_append_printf(text,
+                           "  # %u component%s along %g m; patch y %g .. %g, z %g .. %g m\n"
+                           "  - name: %s\n    position: ",
+                           group->component_count, group->component_count == 1 ? "" : "s",
+                           spring->path, box->min[AXIS_Y], box->max[AXIS_Y], box->min[AXIS_Z],
+                           box->max[AXIS_Z], spring->name);
+    append_list(text, spring->position, 2);
+    g_string_append_printf(text, "\n    length: %s\n    height: %s\n    deformation: ",
+                           decimal_text(spring->length, digits[0]),
+                           decimal_text(spring->height, digits[1]));
+    append_list(text, spring->deformation, spring->point_count);
+    g_string_append_c(text, '\n');
+    for (int k = 0; spring->forces && k < SCENARIO_DIRECTION_COUNT; k++) {
+        append_forces(text, spring, (enum scenario_direction)k);
+    }
+}
+
+char *springs_text(const struct spring *springs, const struct group_list *groups)
+{
+    GString *text = g_string_new("springs:\n");
+    for (uint32_t i = 0; i < groups->count; i++) {
+        append_spring(text, &springs[i], &groups->items[i]);
+    }
+    return g_string_free(text, FALSE);
+}

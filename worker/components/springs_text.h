@@ -1,0 +1,11 @@
+// Springs as the list `springs:` of a scenario.
+#ifndef SOBOX_WORKER_COMPONENTS_SPRINGS_TEXT_H
+#define SOBOX_WORKER_COMPONENTS_SPRINGS_TEXT_H
+
+#include "worker/components/spring.h"
+
+// The YAML of the springs, one for each group, each under a comment that says what it holds. The
+// caller frees it with g_free().
+char *springs_text(const struct spring *springs, const struct group_list *groups);
+
+#endif
