@@ -229,6 +229,22 @@ static void put_cases(struct writer *writer, const struct rows *rows)
         put_paragraph(writer, "The other cases are in summary.csv.");
 }
 
+// What is doubtful about the cases: before anything that is shown of them.
+static void put_warnings(struct writer *writer, const struct rows *rows)
+{
+    if (rows->warning_count == 0)
+        return;
+    put_heading(writer, 2, "Warnings");
+    for (uint32_t i = 0; i < rows->warning_count; i++) {
+        const struct rows_warning *warning = &rows->warnings[i];
+        char *text =
+            g_strdup_printf("%s (in %" PRIu32 " of %" PRIu32 " cases, first in %s)", warning->text,
+                            warning->count, rows->count, rows->items[warning->first].name);
+        put_paragraph(writer, text);
+        g_free(text);
+    }
+}
+
 static void put_pictures(struct writer *writer, const GArray *pictures)
 {
     for (guint i = 0; i < pictures->len; i++) {
@@ -250,6 +266,7 @@ static void put_all(struct writer *writer, const struct document *document)
     const struct rows *rows = document->rows;
     put_heading(writer, 1, rows->name);
     put_summary(writer, rows);
+    put_warnings(writer, rows);
     if (rows->axis_count > 0 && rows->group_count < rows->count) {
         put_heading(writer, 2, "Over the seeds");
         put_groups(writer, rows);

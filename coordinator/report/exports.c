@@ -7,6 +7,7 @@
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
+#include "coordinator/report/warnings.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -288,6 +289,16 @@ static json_t *json_case(const struct run_data *data, const struct run_data_sear
     return values;
 }
 
+static json_t *json_warnings(const struct run_data_search *search)
+{
+    json_t *warnings = json_array();
+    char **texts = warnings_of(search);
+    for (char **text = texts; *text != NULL; text++)
+        json_array_append_new(warnings, json_string(*text));
+    g_strfreev(texts);
+    return warnings;
+}
+
 static json_t *json_search(const struct run_data *data, const struct run_data_search *search)
 {
     const struct journal_search *record = &search->record;
@@ -302,6 +313,7 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
         json_object_set_new(object, "case", json_case(data, search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
+    json_object_set_new(object, "warnings", json_warnings(search));
     json_object_set_new(object, "kinds", json_kinds(search));
     json_object_set_new(object, "reach", json_reach(search));
     json_object_set_new(object, "constraints", holding_json_constraints(search));

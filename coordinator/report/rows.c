@@ -3,6 +3,7 @@
 #include "common/base/plain.h"
 #include "coordinator/report/holding.h"
 #include "coordinator/report/number.h"
+#include "coordinator/report/warnings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,6 +12,23 @@
 bool rows_is_seed(const struct rows *rows, uint32_t axis)
 {
     return strcmp(rows->axes[axis], "search.seed") == 0;
+}
+
+// Takes the text.
+static void take_warning(struct rows *rows, uint32_t index, char *text)
+{
+    for (uint32_t i = 0; i < rows->warning_count; i++) {
+        if (strcmp(rows->warnings[i].text, text) != 0)
+            continue;
+        rows->warnings[i].count++;
+        g_free(text);
+        return;
+    }
+    if (rows->warning_count < ROWS_WARNINGS_MAX)
+        rows->warnings[rows->warning_count++] =
+            (struct rows_warning){.text = text, .count = 1, .first = index};
+    else
+        g_free(text);
 }
 
 static void take(struct rows *rows, uint32_t index, const struct run_data_search *search)
@@ -30,6 +48,10 @@ static void take(struct rows *rows, uint32_t index, const struct run_data_search
     };
     rows->done += record->finished;
     rows->found += record->finished && search->box != NULL;
+    char **texts = warnings_of(search);
+    for (char **text = texts; *text != NULL; text++)
+        take_warning(rows, index, plain_text(*text));
+    g_strfreev(texts);
 }
 
 // Numbers the combinations of values but the seed, in the order in which they appear.
@@ -94,6 +116,8 @@ void rows_fini(struct rows *rows)
         g_free(rows->items[i].costliest);
         g_strfreev(rows->items[i].values);
     }
+    for (uint32_t i = 0; i < rows->warning_count; i++)
+        g_free(rows->warnings[i].text);
     g_free(rows->items);
     g_strfreev(rows->axes);
     g_free(rows->name);

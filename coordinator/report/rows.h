@@ -19,6 +19,15 @@ struct rows_row {
     double wall_s;
 };
 
+// A warning and how many cases have it.
+struct rows_warning {
+    char *text;
+    uint32_t count;
+    uint32_t first; // index of the first row that has it
+};
+
+enum { ROWS_WARNINGS_MAX = 50 }; // different ones that are kept; more would be read by nobody
+
 struct rows {
     char *name; // of the sweep
     char *version;
@@ -27,8 +36,10 @@ struct rows {
     struct rows_row *items; // (count) in the order of the sweep
     uint32_t count;
     uint32_t group_count;
-    uint32_t done;  // how many searches are done
-    uint32_t found; // and have corridors
+    uint32_t done;                                   // how many searches are done
+    uint32_t found;                                  // and have corridors
+    struct rows_warning warnings[ROWS_WARNINGS_MAX]; // (warning_count)
+    uint32_t warning_count;
 };
 
 // Reads the run folder of a sweep. On failure the struct is zeroed.

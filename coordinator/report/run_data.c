@@ -109,6 +109,17 @@ static bool take_kind(struct run_data_search *search, const struct journal_step 
     return true;
 }
 
+enum { SPACE_SAMPLES_MIN = 20 }; // fewer, as a reference looked at alone, say nothing of the whole
+
+static void take_space(struct run_data_search *search, const struct journal_step *step)
+{
+    if (search->space_samples > 0 || step->samples < SPACE_SAMPLES_MIN ||
+        !box_equal(step->box, &search->scenario.design_space))
+        return;
+    search->space_samples = step->samples;
+    search->space_good = step->good;
+}
+
 static enum status take_step(void *user, const struct journal_step *step, struct error *error)
 {
     struct run_data_search *search = user;
@@ -128,6 +139,7 @@ static enum status take_step(void *user, const struct journal_step *step, struct
         return take_outside(search, step, error);
     if (take_kind(search, step))
         return STATUS_OK;
+    take_space(search, step);
     if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
         take_certificate(search, step);
     if (search->last_box.count == 0)

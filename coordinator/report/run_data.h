@@ -40,6 +40,9 @@ struct run_data_search {
     uint64_t judged, bad;
     uint64_t worst[SCENARIO_CONSTRAINT_MAX];
 
+    // Of the first step that looked at the whole design space; 0 samples: none did.
+    uint32_t space_samples, space_good;
+
     // The least violating sample that is not good: UINT32_MAX before there is one. Meaningful where
     // no good design was found, as the record's box is that very design then.
     uint32_t least_constraint;

@@ -4,6 +4,7 @@
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
+#include "coordinator/report/warnings.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -289,6 +290,7 @@ static void print_search(const struct run_data_search *search, const struct repo
         holding_print_bounds(search, normalise, out);
     holding_print_summary(search, normalise, out);
     fprintf(out, "\nstatus       %s\n", status);
+    warnings_print(search, out);
     if (run_data_found_nothing(search)) {
         // It is looked at first, and alone.
         if (search->scenario.search.reference != NULL && search->evaluations == 1)
@@ -336,6 +338,7 @@ static enum status print_lines(const struct run_data *data, FILE *out, struct er
 {
     char *name = plain_text(data->run.name);
     const uint32_t count = data->run.search_count;
+    uint32_t warned = 0;
     int width = 24;
     enum status status = STATUS_OK;
     fprintf(out, "%s, %" PRIu32 " searches\n\n", name, count);
@@ -354,8 +357,13 @@ static enum status print_lines(const struct run_data *data, FILE *out, struct er
                     "purity>=", "designs");
         }
         print_line(&search, i, width, out);
+        warned += warnings_any(&search);
         run_data_release(&search);
     }
+    if (warned > 0)
+        fprintf(out,
+                "\nwarning      %" PRIu32 " of these searches are doubtful: result.json says why\n",
+                warned);
     g_free(name);
     return status;
 }

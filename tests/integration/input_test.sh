@@ -157,3 +157,36 @@ scenario_in_a_pipe_is_refused()
     expect_said err '/dev/stdin:1:1: expected a file, found a pipe'
     expect_no run
 }
+
+# What cannot be meant is refused with the likely slip.
+implausible_scenario_is_refused()
+{
+    _refused 's/^  mass:.*/  mass: 1.65/' ':[0-9]+:9: vehicle.mass: .*likely slip: 1.65 t'
+    _refused 's/^  face_x:.*/  face_x: -2080/' 'barrier.face_x: .*likely slip: -2080 mm'
+    _refused 's/450e3/450/g; s/60e3/60/; s/upper: 250e3/upper: 250/' 'force_x.*likely slip: forces in kN'
+}
+
+# What is unlikely is said when a run begins and in all that comes of it; a design space of which
+# all is good is told by the search.
+unlikely_scenario_is_warned_of()
+{
+    printf 'front.force_x[0],front.force_x[1],front.force_x[2],front.force_x[3],front.force_x[4],%s\n%s\n' \
+        'front.force_y[0],front.force_y[1],front.force_y[2],front.force_y[3],front.force_y[4]' \
+        '1e3,2e3,3e3,4e3,5e3,1e3,1e3,1e3,1e3,1e3' >designs.csv
+    local said='^--set vehicle.speed=64.4:1:1: warning: vehicle.speed: .*likely slip: 64.4 km/h'
+    run 3 sobox-coordinator "$scenario" --set vehicle.speed=64.4 --out fast
+    expect_said err "$said"
+    expect_said out '^warning      vehicle.speed: '
+    expect_said fast/result.json '"vehicle.speed: speed is 64.4 m/s'
+    run 0 sobox-coordinator "$scenario" --set vehicle.speed=64.4 --out study --evaluate designs.csv
+    expect_said err "$said"
+    run 0 sobox-simulate "$scenario" --set vehicle.speed=64.4
+    expect_said err "$said"
+    expect_said out '"vehicle.speed: speed is 64.4 m/s'
+
+    run 0 sobox-coordinator "$scenario" --set vehicle.speed=4 --set firewall_distance=0.01 --out slow
+    expect_said out '^warning      design space: all of [0-9]+ designs of it are good'
+    expect_said slow/result.json '"design space: all of'
+    run 0 sobox-coordinator "$scenario" --out usual
+    ! grep -q '^warning ' out || fail "warned of a usual car: $(cat out)"
+}
