@@ -3,13 +3,12 @@
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/wire/codec.h"
-#include "coordinator/runtime/crew.h"
+#include "coordinator/runtime/dispatch_loop.h"
 #include "coordinator/runtime/opening.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/run_status.h"
 #include "coordinator/runtime/tell.h"
-#include "coordinator/runtime/texts.h"
 #include "coordinator/schedule/schedule.h"
 #include "worker/batch/fingerprint.h"
 
@@ -23,7 +22,7 @@ enum {
 struct coordinator {
     struct run *run;
     struct wire *wire;
-    struct crew *crew;
+    struct dispatch_loop *loop;
     struct verdict *unpacked; // (PROTOCOL_BATCH_SAMPLES_MAX) of the outcome being looked at
     struct progress progress;
     GQueue ready; // indexes of open searches whose step is sampled, or that have just been opened
@@ -78,7 +77,7 @@ static void step_sampled(void *user, uint32_t search, uint32_t step)
 static void tell_run_state(struct coordinator *coordinator, enum run_state state)
 {
     struct schedule_counters counters;
-    crew_counters(coordinator->crew, &counters);
+    dispatch_loop_counters(coordinator->loop, &counters);
     tell_run(coordinator->tell, state, &counters);
 }
 
@@ -89,7 +88,7 @@ static void leave(struct coordinator *coordinator, uint32_t index)
 {
     const struct scenario *scenario = &coordinator->run->open[index]->scenario;
     tell_end(coordinator->tell, coordinator->run->open[index]);
-    texts_remove(crew_texts(coordinator->crew), &scenario->digest);
+    text_server_withdraw(dispatch_loop_texts(coordinator->loop), &scenario->digest);
     opening_close(&coordinator->opening, scenario);
     run_close(coordinator->run, index);
     g_source_set_ready_time(coordinator->opener, 0);
@@ -108,9 +107,10 @@ static enum status go_on(struct coordinator *coordinator, uint32_t index)
         leave(coordinator, index);
         return STATUS_OK;
     }
-    texts_add(crew_texts(coordinator->crew), &search->box, search->text->data, search->text->len);
-    crew_step(coordinator->crew, index, search->request.sampling.step,
-              search->request.sampling.samples, search->request.detail);
+    text_server_offer(dispatch_loop_texts(coordinator->loop), &search->box, search->text->data,
+                      search->text->len);
+    dispatch_loop_step(coordinator->loop, index, search->request.sampling.step,
+                       search->request.sampling.samples, search->request.detail);
     return STATUS_OK;
 }
 
@@ -133,7 +133,7 @@ static enum status advance(struct coordinator *coordinator)
         struct run_search *search = run->open[index];
         enum status status = STATUS_OK;
         if (search->active) {
-            texts_remove(crew_texts(coordinator->crew), &search->box);
+            text_server_withdraw(dispatch_loop_texts(coordinator->loop), &search->box);
             search->active = false;
             if (coordinator->trimmer != NULL) {
                 pool_take(coordinator->trimmer, search);
@@ -154,7 +154,7 @@ static void advance_or_stop(struct coordinator *coordinator)
 {
     enum status status = advance(coordinator);
     if (status != STATUS_OK || run_finished(coordinator->run))
-        crew_stop(coordinator->crew, status);
+        dispatch_loop_stop(coordinator->loop, status);
 }
 
 // Steps that other threads have trimmed. They are written as one, and only then go on: what has
@@ -187,7 +187,7 @@ static void heard_trimmed(void *user, GPtrArray *searches)
     struct coordinator *coordinator = user;
     enum status status = take_trimmed(coordinator, searches);
     if (status != STATUS_OK)
-        crew_stop(coordinator->crew, status);
+        dispatch_loop_stop(coordinator->loop, status);
     else
         advance_or_stop(coordinator);
     g_source_set_ready_time(coordinator->opener, 0);
@@ -197,7 +197,7 @@ static void heard_trimmed(void *user, GPtrArray *searches)
 static bool room_for_search(const struct coordinator *coordinator)
 {
     struct schedule_counters counters;
-    crew_counters(coordinator->crew, &counters);
+    dispatch_loop_counters(coordinator->loop, &counters);
     const double trims =
         coordinator->trimmer != NULL ? pool_load(coordinator->trimmer) : OPENING_TRIMS_MAX;
     return opening_wanted(&coordinator->opening, &counters, trims);
@@ -221,8 +221,8 @@ static enum status open_search(struct coordinator *coordinator)
     }
     const struct scenario *scenario = &run->open[index]->scenario;
     opening_open(&coordinator->opening, scenario);
-    texts_add(crew_texts(coordinator->crew), &scenario->digest, scenario->text,
-              scenario->text_size);
+    text_server_offer(dispatch_loop_texts(coordinator->loop), &scenario->digest, scenario->text,
+                      scenario->text_size);
     g_queue_push_tail(&coordinator->ready, GUINT_TO_POINTER(index));
     return STATUS_OK;
 }
@@ -240,7 +240,7 @@ static gboolean opening(gpointer user)
     struct coordinator *coordinator = user;
     enum status status = open_search(coordinator);
     if (status != STATUS_OK)
-        crew_stop(coordinator->crew, status);
+        dispatch_loop_stop(coordinator->loop, status);
     else
         advance_or_stop(coordinator);
     return G_SOURCE_CONTINUE;
@@ -272,8 +272,8 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *bytes)
         log_debug("an outcome of step %u does not unpack", batch.step);
         return;
     }
-    crew_outcome(coordinator->crew, (uint64_t)message->header.sender, &batch,
-                 (uint32_t)message->queue, message->service_ns);
+    dispatch_loop_outcome(coordinator->loop, (uint64_t)message->header.sender, &batch,
+                          (uint32_t)message->queue, message->service_ns);
     advance_or_stop(coordinator);
     open_when_hungry(coordinator);
 }
@@ -296,7 +296,7 @@ static gboolean show_progress(gpointer user)
 {
     struct coordinator *coordinator = user;
     struct schedule_counters counters;
-    crew_counters(coordinator->crew, &counters);
+    dispatch_loop_counters(coordinator->loop, &counters);
     progress_show(&coordinator->progress, coordinator->run, &counters, clock_monotonic_ns());
     return G_SOURCE_CONTINUE;
 }
@@ -350,9 +350,9 @@ static enum status loop(struct coordinator *coordinator)
 
     g_source_set_ready_time(coordinator->opener, 0);
     if (run_finished(coordinator->run))
-        crew_stop(coordinator->crew, STATUS_OK);
+        dispatch_loop_stop(coordinator->loop, STATUS_OK);
     const enum status status =
-        crew_run(coordinator->crew, coordinator->run->directory, coordinator->error);
+        dispatch_loop_run(coordinator->loop, coordinator->run->directory, coordinator->error);
 
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i] != 0)
@@ -366,7 +366,7 @@ static enum status loop(struct coordinator *coordinator)
 enum status coordinator_run(struct run *run, struct wire *wire,
                             const struct coordinator_settings *settings, struct error *error)
 {
-    static const struct crew_calls calls = {
+    static const struct dispatch_loop_calls calls = {
         .send = send_batch,
         .count = count_batch,
         .finished = step_sampled,
@@ -384,8 +384,8 @@ enum status coordinator_run(struct run *run, struct wire *wire,
         .opening = opening_default(),
         .error = error,
     };
-    enum status status = crew_create(&coordinator.crew, wire, run->record.id, settings, &schedule,
-                                     &calls, &coordinator, error);
+    enum status status = dispatch_loop_create(&coordinator.loop, wire, run->record.id, settings,
+                                              &schedule, &calls, &coordinator, error);
     if (status == STATUS_OK)
         status = wire_subscribe(wire, WIRE_OUTCOME_BATCH, heard_outcome, &coordinator, error);
     if (status == STATUS_OK && run->record.search_count > 1)
@@ -403,10 +403,10 @@ enum status coordinator_run(struct run *run, struct wire *wire,
         *error = unwritten;
         status = unwritten.status;
     }
-    if (coordinator.crew != NULL)
+    if (coordinator.loop != NULL)
         tell_run_state(&coordinator, run_status_after(status, all_done));
     g_queue_clear(&coordinator.ready);
-    crew_free(coordinator.crew);
+    dispatch_loop_free(coordinator.loop);
     tell_free(coordinator.tell);
     g_free(coordinator.unpacked);
     return status;

@@ -5,7 +5,7 @@
 #include "common/base/watch.h"
 #include "common/numeric/identity.h"
 #include "common/wire/codec.h"
-#include "coordinator/runtime/crew.h"
+#include "coordinator/runtime/dispatch_loop.h"
 #include "coordinator/runtime/pool.h"
 #include "coordinator/runtime/progress.h"
 #include "coordinator/runtime/run_status.h"
@@ -45,7 +45,7 @@ struct piece {
 struct work {
     struct evaluate *table;
     struct wire *wire;
-    struct crew *crew;
+    struct dispatch_loop *loop;
     struct pool *pool;
     struct digest fingerprint; // of the kernel
     uint64_t run;              // of this session alone: an outcome of an earlier one is no one's
@@ -55,7 +55,7 @@ struct work {
     uint64_t next;       // number of the first design of which the number is not known yet
     bool all_read;       // no piece comes any more
     guint reader;        // watches the table while there is room for a piece; 0: does not
-    const double *heard; // values of the outcome being given to the crew
+    const double *heard; // values of the outcome being given to the dispatcher
     int64_t shown_ns;    // for rates
     uint64_t shown_rows;
     struct error *error;
@@ -120,7 +120,7 @@ static void watch_table(struct work *work);
 
 static void fail(struct work *work, enum status status)
 {
-    crew_stop(work->crew, status);
+    dispatch_loop_stop(work->loop, status);
 }
 
 // Gives every piece whose predecessors are known its number, and the evaluated ones to be written.
@@ -187,7 +187,7 @@ static void take_read(struct work *work, struct piece *piece)
     }
     piece->state = READ;
     piece->values = g_new(double, (size_t)designs *outcome_count(work));
-    crew_step(work->crew, (uint32_t)(piece - work->pieces), piece->step, designs, false);
+    dispatch_loop_step(work->loop, (uint32_t)(piece - work->pieces), piece->step, designs, false);
 }
 
 static void threads_are_done(void *user, GPtrArray *jobs)
@@ -311,8 +311,8 @@ static void heard_values(void *user, enum wire_kind kind, const void *bytes)
         return;
     }
     work->heard = message->values;
-    crew_outcome(work->crew, (uint64_t)message->header.sender, &batch, (uint32_t)message->queue,
-                 message->service_ns);
+    dispatch_loop_outcome(work->loop, (uint64_t)message->header.sender, &batch,
+                          (uint32_t)message->queue, message->service_ns);
     work->heard = NULL;
 }
 
@@ -343,7 +343,7 @@ static void tell_status(void *user, const struct schedule_counters *counters, bo
 static void tell_end_state(struct work *work, enum status status)
 {
     struct schedule_counters counters;
-    crew_counters(work->crew, &counters);
+    dispatch_loop_counters(work->loop, &counters);
     publish_status(work, run_status_after(status, true), &counters);
 }
 
@@ -354,7 +354,7 @@ static gboolean show_progress(gpointer user)
     struct work *work = user;
     const struct evaluation *evaluation = work->table->evaluation;
     struct schedule_counters counters;
-    crew_counters(work->crew, &counters);
+    dispatch_loop_counters(work->loop, &counters);
     const int64_t now_ns = clock_monotonic_ns();
     const double seconds = (double)(now_ns - work->shown_ns) / CLOCK_SECOND_NS;
     const double rate = seconds > 0 ? (double)(evaluation->rows - work->shown_rows) / seconds : 0;
@@ -482,7 +482,7 @@ static gboolean note_progress(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static enum status run_crew(struct work *work)
+static enum status run_loop(struct work *work)
 {
     const struct evaluation *evaluation = work->table->evaluation;
     guint progress = 0;
@@ -490,10 +490,10 @@ static enum status run_crew(struct work *work)
     if (interval_ns != INT64_MAX)
         progress = g_timeout_add((guint)(interval_ns / CLOCK_MILLISECOND_NS), show_progress, work);
     const guint notes = g_timeout_add(NOTE_INTERVAL_MS, note_progress, work);
-    texts_add(crew_texts(work->crew), &evaluation->scenario.digest, evaluation->scenario.text,
-              evaluation->scenario.text_size);
+    text_server_offer(dispatch_loop_texts(work->loop), &evaluation->scenario.digest,
+                      evaluation->scenario.text, evaluation->scenario.text_size);
     watch_table(work);
-    const enum status status = crew_run(work->crew, evaluation->directory, work->error);
+    const enum status status = dispatch_loop_run(work->loop, evaluation->directory, work->error);
     if (work->reader != 0)
         g_source_remove(work->reader);
     g_source_remove(notes);
@@ -507,7 +507,7 @@ static enum status run_crew(struct work *work)
 enum status evaluate_run(struct evaluate *evaluate, struct wire *wire,
                          const struct coordinator_settings *settings, struct error *error)
 {
-    static const struct crew_calls calls = {
+    static const struct dispatch_loop_calls calls = {
         .send = send_batch,
         .count = count_batch,
         .finished = piece_sampled,
@@ -527,18 +527,18 @@ enum status evaluate_run(struct evaluate *evaluate, struct wire *wire,
     enum status status =
         batch_designs(work, &schedule.batch_samples_max[VERDICT_DETAIL_FULL], error);
     if (status == STATUS_OK)
-        status =
-            crew_create(&work->crew, wire, work->run, settings, &schedule, &calls, work, error);
+        status = dispatch_loop_create(&work->loop, wire, work->run, settings, &schedule, &calls,
+                                      work, error);
     if (status == STATUS_OK)
         status = wire_subscribe(wire, WIRE_VALUE_BATCH, heard_values, work, error);
     if (status == STATUS_OK)
         status =
             pool_create(&work->pool, settings->threads, work_on, threads_are_done, work, error);
     if (status == STATUS_OK)
-        status = run_crew(work);
+        status = run_loop(work);
     pool_free(work->pool);
     status = end_state(work, status);
-    crew_free(work->crew);
+    dispatch_loop_free(work->loop);
     for (int i = 0; i < EVALUATE_PIECES_MAX; i++)
         piece_free(&work->pieces[i]);
     g_free(work);

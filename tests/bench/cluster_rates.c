@@ -1,7 +1,7 @@
-// What the cluster costs beside the computing: a bare coordinator (the schedule and the wire of the
-// real one, no search and no journal) keeps two real workers of one thread each busy, and the real
-// coordinator runs a search over the same two. Prints rows of CSV; tests/bench/cluster_bench runs
-// it beside its peers and says what the columns mean.
+// What the cluster costs beside the computing: a bare coordinator (the dispatcher and the wire of
+// the real one, no search and no journal) keeps two real workers of one thread each busy, and the
+// real coordinator runs a search over the same two. Prints rows of CSV; tests/bench/cluster_bench
+// runs it beside its peers and says what the columns mean.
 //
 //     cluster_rates PROGRAM_FOLDER SCENARIO_FOLDER [step | batches | bulk | share]
 //
@@ -15,10 +15,7 @@
 #include "common/base/log.h"
 #include "common/scenario/scenario_read.h"
 #include "common/wire/codec.h"
-#include "common/wire/source.h"
-#include "coordinator/runtime/deadline.h"
-#include "coordinator/runtime/texts.h"
-#include "coordinator/schedule/schedule.h"
+#include "coordinator/runtime/dispatch_loop.h"
 #include "worker/batch/batch.h"
 #include "worker/batch/fingerprint.h"
 #include "worker/runtime/worker.h"
@@ -71,12 +68,9 @@ struct bench {
     pid_t workers[WORKERS];
     struct wire *wire;
     uint64_t run;
-    struct schedule *schedule;
-    struct schedule_effects effects;
-    struct texts *texts;
     struct digest fingerprint;
-    struct deadline *wake;
     // The load at hand.
+    struct dispatch_loop *loop;
     struct scenario scenario;
     double bounds[BOUNDS_MAX];
     struct digest box;
@@ -159,8 +153,9 @@ static void print_all(const char *figure, double *values, size_t count, bool gre
 
 // ---- A coordinator without search and journal ----
 
-static void send_batch(struct bench *bench, uint64_t worker, const struct batch_identity *batch)
+static void send_batch(void *user, uint64_t worker, const struct batch_identity *batch)
 {
+    struct bench *bench = user;
     const uint32_t variables = bench->scenario.design_space.count;
     sobox_sample_batch_t message = {
         .header.run = (int64_t)bench->run,
@@ -179,21 +174,17 @@ static void send_batch(struct bench *bench, uint64_t worker, const struct batch_
     (void)!wire_publish(bench->wire, WIRE_SAMPLE_BATCH, &message); // lost: the lease brings it back
 }
 
-static void take(struct bench *bench, struct schedule_event *event)
+static void count_batch(void *user, const struct batch_identity *batch)
 {
-    event->now_ns = clock_monotonic_ns();
-    schedule_step(bench->schedule, event, &bench->effects);
-    for (size_t i = 0; i < bench->effects.count; i++) {
-        const struct schedule_effect *effect = &bench->effects.items[i];
-        if (effect->kind == SCHEDULE_EFFECT_SEND)
-            send_batch(bench, effect->send.worker, &effect->send.batch);
-        else if (effect->kind == SCHEDULE_EFFECT_COUNT)
-            memcpy(bench->verdicts + effect->count.batch.first, bench->unpacked,
-                   effect->count.batch.count * sizeof *bench->verdicts);
-        else if (effect->kind == SCHEDULE_EFFECT_STEP)
-            bench->sampling = false;
-    }
-    deadline_set(bench->wake, bench->effects.wake_ns);
+    struct bench *bench = user;
+    memcpy(bench->verdicts + batch->first, bench->unpacked, batch->count * sizeof *bench->verdicts);
+}
+
+static void step_sampled(void *user, uint32_t search, uint32_t step)
+{
+    (void)search;
+    (void)step;
+    ((struct bench *)user)->sampling = false;
 }
 
 static void heard_outcome(void *user, enum wire_kind kind, const void *received)
@@ -208,67 +199,9 @@ static void heard_outcome(void *user, enum wire_kind kind, const void *received)
                         bench->scenario.constraint_count, message->packed,
                         (size_t)message->packed_size))
         return;
-    take(bench, &(struct schedule_event){.kind = SCHEDULE_EVENT_OUTCOME,
-                                         .outcome = {
-                                             .worker = (uint64_t)message->header.sender,
-                                             .batch = codec_identity(&message->batch),
-                                             .queue = (uint32_t)message->queue,
-                                             .service_ns = message->service_ns,
-                                         }});
-}
-
-static void heard_worker(void *user, enum wire_kind kind, const void *received)
-{
-    (void)kind;
-    struct bench *bench = user;
-    const sobox_worker_status_t *message = received;
-    if (bench->schedule == NULL)
-        return;
-    take(bench, &(struct schedule_event){
-                    .kind = SCHEDULE_EVENT_WORKER,
-                    .worker = {
-                        .id = (uint64_t)message->header.sender,
-                        .threads = (uint32_t)message->threads,
-                        .queue = (uint32_t)message->queue,
-                        .leaving = message->leaving != 0,
-                        .acceptable = memcmp(message->fingerprint, bench->fingerprint.bytes,
-                                             DIGEST_SIZE) == 0,
-                        .name = "worker",
-                    }});
-}
-
-static void heard_request(void *user, enum wire_kind kind, const void *received)
-{
-    (void)kind;
-    struct bench *bench = user;
-    const sobox_text_request_t *message = received;
-    if ((uint64_t)message->header.run != bench->run)
-        return;
-    struct digest digest;
-    memcpy(digest.bytes, message->digest, DIGEST_SIZE);
-    size_t total = 0;
-    const uint8_t *text = texts_ask(bench->texts, &digest, (size_t)message->offset,
-                                    clock_monotonic_ns(), CLOCK_MILLISECOND_NS, &total);
-    const size_t piece_max = wire_payload_max(bench->wire, WIRE_TEXT);
-    for (size_t offset = (size_t)message->offset; text != NULL && offset < total;
-         offset += piece_max) {
-        sobox_text_t answer = {
-            .header.run = message->header.run,
-            .total_size = (int32_t)total,
-            .offset = (int32_t)offset,
-            .piece_size = (int32_t)MIN(piece_max, total - offset),
-            .piece = (uint8_t *)text + offset,
-        };
-        memcpy(answer.digest, digest.bytes, DIGEST_SIZE);
-        (void)!wire_publish(bench->wire, WIRE_TEXT, &answer);
-    }
-}
-
-static void woken(void *user)
-{
-    struct bench *bench = user;
-    if (bench->schedule != NULL)
-        take(bench, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
+    const struct batch_identity batch = codec_identity(&message->batch);
+    dispatch_loop_outcome(bench->loop, (uint64_t)message->header.sender, &batch,
+                          (uint32_t)message->queue, message->service_ns);
 }
 
 // Without it nothing would wake a main loop in which everybody waits for something lost.
@@ -292,20 +225,34 @@ static void turn(int64_t since_ns, const char *awaited)
         give_up(awaited);
 }
 
-// A schedule of its own for each load: what the last one taught about times does not fit the next.
-static void start_schedule(struct bench *bench)
+// A dispatcher of its own for each load: what the last one taught about times does not fit the
+// next. It subscribes for good, so it has a wire of its own too.
+static void start_dispatcher(struct bench *bench)
 {
-    struct schedule_settings settings = schedule_settings_default();
+    static const struct coordinator_settings coordinator = {.url = URL, .open = true};
+    static const struct dispatch_loop_calls calls = {
+        .send = send_batch, .count = count_batch, .finished = step_sampled};
+    struct schedule_settings schedule = schedule_settings_default();
     if (bench->load->batch_samples > 0)
-        settings.batch_samples_max[VERDICT_DETAIL_FULL] = bench->load->batch_samples;
-    bench->schedule = schedule_create(&settings);
+        schedule.batch_samples_max[VERDICT_DETAIL_FULL] = bench->load->batch_samples;
+    struct wire_settings settings = wire_settings_default();
+    settings.url = URL;
+    struct error error = {0};
     bench->run++;
+    expect_ok(wire_open(&bench->wire, &settings, bench->run, &error), &error);
+    expect_ok(wire_subscribe(bench->wire, WIRE_OUTCOME_BATCH, heard_outcome, bench, &error),
+              &error);
+    expect_ok(dispatch_loop_create(&bench->loop, bench->wire, bench->run, &coordinator, &schedule,
+                                   &calls, bench, &error),
+              &error);
+    text_server_offer(dispatch_loop_texts(bench->loop), &bench->scenario.digest,
+                      bench->scenario.text, bench->scenario.text_size);
     tell_workers(bench);
     const int64_t start_ns = clock_monotonic_ns();
     struct schedule_counters counters;
     do {
         turn(start_ns, "the workers do not come");
-        schedule_counters(bench->schedule, &counters);
+        dispatch_loop_counters(bench->loop, &counters);
     } while (counters.workers < WORKERS);
 }
 
@@ -328,16 +275,13 @@ static void start_load(struct bench *bench, const struct load *load, const char 
     bench->step = 0;
     bench->verdicts = g_new0(struct verdict, load->samples);
     bench->unpacked = g_new0(struct verdict, load->samples);
-    texts_add(bench->texts, &bench->scenario.digest, bench->scenario.text,
-              bench->scenario.text_size);
-    start_schedule(bench);
+    start_dispatcher(bench);
 }
 
 static void end_load(struct bench *bench)
 {
-    texts_remove(bench->texts, &bench->scenario.digest);
-    schedule_free(bench->schedule);
-    bench->schedule = NULL;
+    dispatch_loop_free(bench->loop);
+    wire_close(bench->wire);
     g_free(bench->verdicts);
     g_free(bench->unpacked);
     scenario_fini(&bench->scenario);
@@ -348,9 +292,7 @@ static void sample_step(struct bench *bench)
     const int64_t start_ns = clock_monotonic_ns();
     bench->sampling = true;
     bench->step++;
-    take(bench,
-         &(struct schedule_event){.kind = SCHEDULE_EVENT_STEP,
-                                  .step = {.step = bench->step, .samples = bench->load->samples}});
+    dispatch_loop_step(bench->loop, 0, bench->step, bench->load->samples, VERDICT_DETAIL_FULL);
     while (bench->sampling)
         turn(start_ns, "a step does not end");
 }
@@ -358,7 +300,7 @@ static void sample_step(struct bench *bench)
 static struct round sample_round(struct bench *bench, uint32_t steps)
 {
     struct schedule_counters before;
-    schedule_counters(bench->schedule, &before);
+    dispatch_loop_counters(bench->loop, &before);
     const double wall = seconds(CLOCK_MONOTONIC);
     const double own = seconds(CLOCK_PROCESS_CPUTIME_ID);
     const double workers = workers_s(bench);
@@ -368,7 +310,7 @@ static struct round sample_round(struct bench *bench, uint32_t steps)
         round.good += verdict_good_count(bench->verdicts, bench->load->samples);
     }
     struct schedule_counters after;
-    schedule_counters(bench->schedule, &after);
+    dispatch_loop_counters(bench->loop, &after);
     round.batches = after.batches_counted - before.batches_counted;
     round.workers_s = workers_s(bench) - workers;
     round.own_s = seconds(CLOCK_PROCESS_CPUTIME_ID) - own;
@@ -463,7 +405,7 @@ static void measure_step(struct bench *bench, const char *folder)
     const struct load load = {
         .scenario = "sedan-two-springs.yaml", .share = 1, .samples = 200, .steps = 2000};
     start_load(bench, &load, folder);
-    sample_round(bench, 200); // until the schedule knows the workers
+    sample_round(bench, 200); // until the dispatcher knows the workers
     double *wall = g_new(double, load.steps);
     double own = 0;
     double workers = 0;
@@ -648,11 +590,9 @@ int main(int argc, char **argv)
         return 2;
     }
     const char *const group = argc == 4 ? argv[3] : NULL;
-    struct error error = {0};
     struct bench bench = {
         .programs = argv[1],
         .run = (uint64_t)clock_monotonic_ns() | 1,
-        .texts = texts_create(),
         .fingerprint = fingerprint_compute(),
     };
     // Children first: LCM's own thread and descriptors are nothing for them to inherit.
@@ -663,15 +603,6 @@ int main(int argc, char **argv)
     for (int i = 0; i < WORKERS; i++)
         bench.workers[i] = start_program(bench.programs, "sobox-worker", arguments);
 
-    struct wire_settings settings = wire_settings_default();
-    settings.url = URL;
-    expect_ok(wire_open(&bench.wire, &settings, bench.run, &error), &error);
-    expect_ok(wire_subscribe(bench.wire, WIRE_OUTCOME_BATCH, heard_outcome, &bench, &error),
-              &error);
-    expect_ok(wire_subscribe(bench.wire, WIRE_WORKER_STATUS, heard_worker, &bench, &error), &error);
-    expect_ok(wire_subscribe(bench.wire, WIRE_TEXT_REQUEST, heard_request, &bench, &error), &error);
-    wire_source_attach(bench.wire);
-    bench.wake = deadline_create(woken, &bench);
     g_timeout_add_seconds(1, each_second, NULL);
 
     if (wanted(group, "step"))
@@ -680,8 +611,6 @@ int main(int argc, char **argv)
         measure_batches(&bench, argv[2]);
     if (wanted(group, "bulk"))
         measure_bulk(&bench, argv[2]);
-    wire_source_detach(bench.wire);
-    wire_close(bench.wire);
     if (wanted(group, "share"))
         measure_share(&bench, argv[2]);
 
@@ -689,8 +618,5 @@ int main(int argc, char **argv)
         kill(bench.workers[i], SIGTERM);
         waitpid(bench.workers[i], NULL, 0);
     }
-    schedule_effects_fini(&bench.effects);
-    texts_free(bench.texts);
-    deadline_free(bench.wake);
     return 0;
 }

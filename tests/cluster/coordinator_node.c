@@ -55,12 +55,14 @@ static void search_send(struct coordinator_node *node, uint32_t place, uint64_t 
     network_send(node->network, 0, place, &message, now_ns);
 }
 
-static void effect_send(struct coordinator_node *node, const struct schedule_effect *effect,
-                        int64_t now_ns)
+// ---- What the dispatcher asks ----
+
+static void send_batch(void *user, uint64_t worker, const struct batch_identity *batch)
 {
-    const struct batch_identity *batch = &effect->send.batch;
+    struct coordinator_node *node = user;
     const struct coordinator_search *search = &node->searches[batch->search];
-    gpointer place = g_hash_table_lookup(node->places, &effect->send.worker);
+    const int64_t now_ns = node->now_ns;
+    gpointer place = g_hash_table_lookup(node->places, &worker);
     TRACE_CHECK(now_ns, place != NULL);
     TRACE_CHECK(now_ns, search->active);
     TRACE_CHECK(now_ns, batch->step == search->request.sampling.step);
@@ -69,68 +71,87 @@ static void effect_send(struct coordinator_node *node, const struct schedule_eff
     trace_line(now_ns, "coordinator", "search %u step %u batch %u attempt %u: %u + %u to worker %u",
                batch->search, batch->step, batch->batch, batch->attempt, batch->first, batch->count,
                GPOINTER_TO_UINT(place));
-    search_send(node, GPOINTER_TO_UINT(place), effect->send.worker, batch, now_ns);
+    search_send(node, GPOINTER_TO_UINT(place), worker, batch, now_ns);
 }
 
-static void effect_count(struct coordinator_node *node, const struct schedule_effect *effect,
-                         const struct verdict *verdicts, int64_t now_ns)
+static void count_batch(void *user, const struct batch_identity *batch)
 {
-    const struct batch_identity *batch = &effect->count.batch;
+    struct coordinator_node *node = user;
     struct coordinator_search *search = &node->searches[batch->search];
-    TRACE_CHECK(now_ns, verdicts != NULL);
-    memcpy(search->verdicts + batch->first, verdicts, batch->count * sizeof *verdicts);
+    TRACE_CHECK(node->now_ns, node->heard != NULL);
+    memcpy(search->verdicts + batch->first, node->heard, batch->count * sizeof *node->heard);
     for (uint32_t i = 0; i < batch->count; i++)
-        TRACE_CHECK(now_ns, ++search->counted[batch->first + i] == 1);
+        TRACE_CHECK(node->now_ns, ++search->counted[batch->first + i] == 1);
 }
 
-static void effect_step(struct coordinator_node *node, const struct schedule_effect *effect,
-                        int64_t now_ns)
+static void step_sampled(void *user, uint32_t index, uint32_t step)
 {
-    struct coordinator_search *search = &node->searches[effect->step.search];
-    TRACE_CHECK(now_ns, search->active);
-    TRACE_CHECK(now_ns, effect->step.step == search->request.sampling.step);
+    struct coordinator_node *node = user;
+    struct coordinator_search *search = &node->searches[index];
+    TRACE_CHECK(node->now_ns, search->active);
+    TRACE_CHECK(node->now_ns, step == search->request.sampling.step);
     for (uint32_t i = 0; i < search->request.sampling.samples; i++)
-        TRACE_CHECK(now_ns, search->counted[i] == 1);
-    trace_line(now_ns, "coordinator", "search %u step %u done", effect->step.search,
-               effect->step.step);
-    g_queue_push_tail(&node->ready, GUINT_TO_POINTER(effect->step.search));
+        TRACE_CHECK(node->now_ns, search->counted[i] == 1);
+    trace_line(node->now_ns, "coordinator", "search %u step %u done", index, step);
+    text_server_withdraw(dispatcher_texts(node->dispatcher), &search->box);
+    g_queue_push_tail(&node->ready, GUINT_TO_POINTER(index));
 }
 
-// Hands an event to the schedule and carries out what it answers. `verdicts` are the outcome's.
+static void send_piece(void *user, const struct text_piece *piece)
+{
+    struct coordinator_node *node = user;
+    struct message message = {
+        .kind = MESSAGE_TEXT,
+        .sender = node->sender,
+        .run = node->run,
+        .text = {.digest = piece->digest,
+                 .total = (uint32_t)piece->total,
+                 .offset = (uint32_t)piece->offset},
+        .payload = piece->bytes,
+        .payload_size = (uint32_t)piece->size,
+    };
+    // Text goes to everybody.
+    for (uint32_t place = 1; place <= node->worker_count; place++)
+        network_send(node->network, 0, place, &message, node->now_ns);
+}
+
+static void note(void *user, const char *text)
+{
+    const struct coordinator_node *node = user;
+    trace_line(node->now_ns, "coordinator", "%s", text);
+}
+
+static const struct dispatcher_calls calls = {
+    .send = send_batch,
+    .count = count_batch,
+    .finished = step_sampled,
+    .piece = send_piece,
+    .note = note,
+};
+
+// Hands an event to the dispatcher. `verdicts` are the outcome's.
 static void node_take(struct coordinator_node *node, struct schedule_event *event,
                       const struct verdict *verdicts, int64_t now_ns)
 {
     struct schedule_counters before, counters;
-    schedule_counters(node->schedule, &before);
-    event->now_ns = now_ns;
-    schedule_step(node->schedule, event, &node->effects);
-    schedule_counters(node->schedule, &counters);
+    dispatcher_counters(node->dispatcher, &before);
+    event->now_ns = node->now_ns = now_ns;
+    node->heard = verdicts;
+    dispatcher_take(node->dispatcher, event);
+    node->heard = NULL;
+    dispatcher_counters(node->dispatcher, &counters);
     if (counters.released > before.released)
         trace_line(now_ns, "coordinator", "%llu leases released",
                    (unsigned long long)(counters.released - before.released));
     if (counters.copies > before.copies)
         trace_line(now_ns, "coordinator", "%llu late batches copied",
                    (unsigned long long)(counters.copies - before.copies));
-    for (size_t i = 0; i < node->effects.count; i++) {
-        const struct schedule_effect *effect = &node->effects.items[i];
-        switch (effect->kind) {
-        case SCHEDULE_EFFECT_SEND:
-            effect_send(node, effect, now_ns);
-            break;
-        case SCHEDULE_EFFECT_COUNT:
-            effect_count(node, effect, verdicts, now_ns);
-            break;
-        case SCHEDULE_EFFECT_STEP:
-            effect_step(node, effect, now_ns);
-            break;
-        case SCHEDULE_EFFECT_NOTE:
-            trace_line(now_ns, "coordinator", "%s", effect->note);
-            break;
-        }
-    }
     TRACE_CHECK(now_ns, counters.batches_leased <= counters.workers * node->settings->window_max);
-    TRACE_CHECK(now_ns, node->effects.wake_ns >= now_ns || node->effects.wake_ns == INT64_MAX);
+    const int64_t wake_ns = dispatcher_wake_ns(node->dispatcher);
+    TRACE_CHECK(now_ns, wake_ns >= now_ns || wake_ns == INT64_MAX);
 }
+
+// ---- Searches ----
 
 // Asks the search for its next step and wants it sampled.
 static void search_next(struct coordinator_node *node, uint32_t index, int64_t now_ns)
@@ -145,6 +166,8 @@ static void search_next(struct coordinator_node *node, uint32_t index, int64_t n
     g_byte_array_set_size(search->text, 0);
     box_text_put(search->text, search->request.box, search->request.sampling.moves);
     search->box = digest_of(search->text->data, search->text->len);
+    text_server_offer(dispatcher_texts(node->dispatcher), &search->box, search->text->data,
+                      search->text->len);
     search->verdicts = g_renew(struct verdict, search->verdicts, samples);
     search->counted = g_realloc(search->counted, samples);
     memset(search->counted, 0, samples);
@@ -178,12 +201,14 @@ void coordinator_node_start(struct coordinator_node *node, int64_t now_ns)
     node->running = true;
     node->sender = dice_sender(node->dice);
     node->stopped_until_ns = INT64_MIN;
-    node->schedule = schedule_create(node->settings);
+    node->dispatcher = dispatcher_create(node->settings, node->piece_size, &calls, node);
     node->places = g_hash_table_new_full(g_int64_hash, g_int64_equal, g_free, NULL);
     node->done_count = 0;
     trace_line(now_ns, "coordinator", "starts");
     for (uint32_t i = 0; i < node->search_count; i++) {
         struct coordinator_search *search = &node->searches[i];
+        text_server_offer(dispatcher_texts(node->dispatcher), &search->scenario->digest,
+                          search->scenario->text, search->scenario->text_size);
         search->search = search_create(search->scenario, search->scenario->search.seed, 1);
         for (guint step = 0; step < search->journal->len; step++) {
             TRACE_CHECK(now_ns, search_request(search->search, &search->request));
@@ -211,9 +236,9 @@ void coordinator_node_kill(struct coordinator_node *node)
         return;
     node->running = false;
     struct schedule_counters counters;
-    schedule_counters(node->schedule, &counters);
+    dispatcher_counters(node->dispatcher, &counters);
     counters_add(&node->counters, &counters);
-    schedule_free(node->schedule);
+    dispatcher_free(node->dispatcher);
     g_hash_table_destroy(node->places);
     g_queue_clear(&node->ready);
     struct packet *packet;
@@ -231,7 +256,6 @@ void coordinator_node_kill(struct coordinator_node *node)
 void coordinator_node_fini(struct coordinator_node *node)
 {
     coordinator_node_kill(node);
-    schedule_effects_fini(&node->effects);
     for (uint32_t i = 0; i < node->search_count; i++) {
         g_ptr_array_free(node->searches[i].journal, TRUE);
         g_byte_array_unref(node->searches[i].text);
@@ -286,46 +310,11 @@ static void node_worker(struct coordinator_node *node, const struct message *mes
     node_take(node, &event, NULL, now_ns);
 }
 
-// The text with that digest: a scenario's, or an open step's box.
-static const void *node_text(const struct coordinator_node *node, const struct digest *digest,
-                             size_t *size)
-{
-    for (uint32_t i = 0; i < node->search_count; i++) {
-        const struct coordinator_search *search = &node->searches[i];
-        if (digest_equal(&search->scenario->digest, digest)) {
-            *size = search->scenario->text_size;
-            return search->scenario->text;
-        }
-        if (search->active && digest_equal(&search->box, digest)) {
-            *size = search->text->len;
-            return search->text->data;
-        }
-    }
-    return NULL;
-}
-
 static void node_request(struct coordinator_node *node, const struct message *message,
                          int64_t now_ns)
 {
-    size_t total = 0;
-    const uint8_t *text = node_text(node, &message->request.digest, &total);
-    if (text == NULL)
-        return;
-    for (size_t offset = message->request.offset; offset < total; offset += node->piece_size) {
-        struct message answer = {
-            .kind = MESSAGE_TEXT,
-            .sender = node->sender,
-            .run = node->run,
-            .text = {.digest = message->request.digest,
-                     .total = (uint32_t)total,
-                     .offset = (uint32_t)offset},
-            .payload = text + offset,
-            .payload_size = (uint32_t)MIN(node->piece_size, total - offset),
-        };
-        // Text goes to everybody.
-        for (uint32_t place = 1; place <= node->worker_count; place++)
-            network_send(node->network, 0, place, &answer, now_ns);
-    }
+    node->now_ns = now_ns;
+    dispatcher_request(node->dispatcher, &message->request.digest, message->request.offset, now_ns);
 }
 
 static void node_handle(struct coordinator_node *node, struct packet *packet, int64_t now_ns)
@@ -356,7 +345,7 @@ void coordinator_node_wake(struct coordinator_node *node, int64_t now_ns)
     if (!node->running || now_ns < node->stopped_until_ns)
         return;
     // After a pause the clock is often looked at before the socket: the harder case.
-    if (node->effects.wake_ns <= now_ns) {
+    if (dispatcher_wake_ns(node->dispatcher) <= now_ns) {
         struct schedule_event event = {.kind = SCHEDULE_EVENT_TICK};
         node_take(node, &event, NULL, now_ns);
     }
@@ -371,7 +360,7 @@ int64_t coordinator_node_wake_ns(const struct coordinator_node *node)
         return INT64_MAX;
     if (node->socket.length > 0)
         return node->stopped_until_ns;
-    return MAX(node->effects.wake_ns, node->stopped_until_ns);
+    return MAX(dispatcher_wake_ns(node->dispatcher), node->stopped_until_ns);
 }
 
 bool coordinator_node_done(const struct coordinator_node *node)
@@ -384,6 +373,6 @@ void coordinator_node_counters(const struct coordinator_node *node,
 {
     *counters = (struct schedule_counters){0};
     if (node->running)
-        schedule_counters(node->schedule, counters);
+        dispatcher_counters(node->dispatcher, counters);
     counters_add(counters, &node->counters);
 }

@@ -1,4 +1,4 @@
-// The coordinator of the simulated cluster: the real schedule and the real searches, a journal in
+// The coordinator of the simulated cluster: the real dispatcher and the real searches, a journal in
 // memory, and the check that every sample of every step is counted once.
 //
 // Killed, it loses everything but its journal; started again, it replays that and goes on, as a run
@@ -6,7 +6,7 @@
 #ifndef SOBOX_TESTS_CLUSTER_COORDINATOR_NODE_H
 #define SOBOX_TESTS_CLUSTER_COORDINATOR_NODE_H
 
-#include "coordinator/schedule/schedule.h"
+#include "coordinator/dispatch/dispatcher.h"
 #include "coordinator/search/search.h"
 #include "tests/cluster/network.h"
 #include "tests/cluster/problem.h"
@@ -38,9 +38,10 @@ struct coordinator_node {
     uint64_t sender;
     int64_t stopped_until_ns;
     GQueue socket;
-    struct schedule *schedule;
-    struct schedule_effects effects;
-    GHashTable *places; // sender number -> place of the worker
+    struct dispatcher *dispatcher;
+    int64_t now_ns;              // of the event being taken
+    const struct verdict *heard; // of the outcome being taken
+    GHashTable *places;          // sender number -> place of the worker
     struct coordinator_search searches[PROBLEM_SEARCHES];
     uint32_t search_count;
     uint32_t done_count;

@@ -46,6 +46,7 @@ set -eu
         plain["common/scenario/scenario.h"] = plain["common/scenario/outcome.h"] = 1
         plain["common/scenario/formula.h"] = 1
         pure["coordinator/search"] = pure["coordinator/schedule"] = 1
+        pure["coordinator/dispatch"] = 1
         pure["common/sampling"] = pure["worker/kinematics"] = pure["worker/models"] = 1
         pure["worker/reduction"] = pure["worker/components"] = 1
     }

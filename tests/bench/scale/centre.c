@@ -23,55 +23,9 @@ static uint32_t index_of(const struct centre *centre, const struct centre_search
     return (uint32_t)(search - centre->searches);
 }
 
-void centre_init(struct centre *centre, const struct costs *costs, const struct scenario *scenario,
-                 const struct schedule_settings *settings, uint32_t search_count, uint32_t trimmers,
-                 struct network *network, struct fleet *fleet)
-{
-    *centre = (struct centre){
-        .costs = costs,
-        .scenario = scenario,
-        .model = model_create(scenario),
-        .network = network,
-        .fleet = fleet,
-        .places = g_hash_table_new(g_int64_hash, g_int64_equal),
-        .schedule = schedule_create(settings),
-        .effects.wake_ns = INT64_MAX,
-        .opening = opening_default(),
-        .searches = g_new0(struct centre_search, search_count),
-        .search_count = search_count,
-        .trimmers = trimmers,
-    };
-    g_queue_init(&centre->trims_waiting);
-    for (uint32_t i = 0; i < fleet->count; i++)
-        g_hash_table_insert(centre->places, &fleet->workers[i].sender,
-                            GUINT_TO_POINTER(fleet->workers[i].place));
-}
-
 static struct job *job_of(struct heap_entry *ready)
 {
     return (struct job *)((char *)ready - offsetof(struct job, ready));
-}
-
-void centre_fini(struct centre *centre)
-{
-    struct heap_entry *first;
-    while ((first = heap_first(&centre->jobs)) != NULL) {
-        struct job *job = job_of(first);
-        heap_remove(&centre->jobs, first);
-        if (job->kind == JOB_PACKET)
-            network_drop(job->packet);
-        g_free(job);
-    }
-    for (uint32_t i = 0; i < centre->search_count; i++)
-        search_free(centre->searches[i].search);
-    g_free(centre->searches);
-    g_queue_clear(&centre->trims_waiting);
-    heap_fini(&centre->jobs);
-    heap_fini(&centre->trims_due);
-    schedule_effects_fini(&centre->effects);
-    schedule_free(centre->schedule);
-    g_hash_table_destroy(centre->places);
-    model_free(centre->model);
 }
 
 static struct job *job_add(struct centre *centre, enum job_kind kind, int64_t ready_ns)
@@ -124,10 +78,11 @@ static void trim_end(struct centre *centre, struct centre_search *search, int64_
         trim_start(centre, next, now_ns);
 }
 
-// ---- The loop ----
+// ---- What the dispatcher asks ----
 
-static void send_batch(struct centre *centre, uint64_t worker, const struct batch_identity *batch)
+static void send_batch(void *user, uint64_t worker, const struct batch_identity *batch)
 {
+    struct centre *centre = user;
     loop_work(centre, centre->costs->send_ns);
     const struct message message = {
         .kind = MESSAGE_BATCH,
@@ -140,19 +95,38 @@ static void send_batch(struct centre *centre, uint64_t worker, const struct batc
                  &message, centre->loop_ns);
 }
 
+static void count_batch(void *user, const struct batch_identity *batch)
+{
+    ((struct centre *)user)->samples += batch->count;
+}
+
+static void step_sampled(void *user, uint32_t search, uint32_t step)
+{
+    (void)step;
+    struct centre *centre = user;
+    trim_take(centre, &centre->searches[search]);
+}
+
+static void note(void *user, const char *text)
+{
+    (void)user;
+    (void)text;
+}
+
+// No worker asks for a text here, so there is no piece to send.
+static const struct dispatcher_calls calls = {
+    .send = send_batch,
+    .count = count_batch,
+    .finished = step_sampled,
+    .note = note,
+};
+
+// ---- The loop ----
+
 static void take(struct centre *centre, struct schedule_event *event)
 {
     event->now_ns = centre->loop_ns;
-    schedule_step(centre->schedule, event, &centre->effects);
-    for (size_t i = 0; i < centre->effects.count; i++) {
-        const struct schedule_effect *effect = &centre->effects.items[i];
-        if (effect->kind == SCHEDULE_EFFECT_SEND)
-            send_batch(centre, effect->send.worker, &effect->send.batch);
-        else if (effect->kind == SCHEDULE_EFFECT_COUNT)
-            centre->samples += effect->count.batch.count;
-        else if (effect->kind == SCHEDULE_EFFECT_STEP)
-            trim_take(centre, &centre->searches[effect->step.search]);
-    }
+    dispatcher_take(centre->dispatcher, event);
 }
 
 // Wants the search's next step sampled; a search that is done leaves.
@@ -249,7 +223,7 @@ static void do_job(struct centre *centre, struct job *job)
 static void open_when_hungry(struct centre *centre)
 {
     struct schedule_counters counters;
-    schedule_counters(centre->schedule, &counters);
+    dispatcher_counters(centre->dispatcher, &counters);
     if (centre->opening_due || centre->search_next == centre->search_count ||
         !opening_wanted(&centre->opening, &counters, (double)centre->trims / centre->trimmers))
         return;
@@ -279,7 +253,7 @@ void centre_receive(struct centre *centre, struct packet *packet, int64_t now_ns
 static int64_t loop_wake_ns(const struct centre *centre)
 {
     const struct heap_entry *first = heap_first(&centre->jobs);
-    int64_t wake_ns = centre->effects.wake_ns;
+    int64_t wake_ns = dispatcher_wake_ns(centre->dispatcher);
     if (first != NULL)
         wake_ns = MIN(wake_ns, first->key);
     if (centre->search_next == 0)
@@ -306,7 +280,7 @@ void centre_wake(struct centre *centre, int64_t now_ns)
     if (loop_wake_ns(centre) > now_ns)
         return;
     centre->loop_ns = now_ns;
-    if (centre->effects.wake_ns <= now_ns) {
+    if (dispatcher_wake_ns(centre->dispatcher) <= now_ns) {
         loop_work(centre, TICK_NS);
         take(centre, &(struct schedule_event){.kind = SCHEDULE_EVENT_TICK});
     }
@@ -316,4 +290,50 @@ void centre_wake(struct centre *centre, int64_t now_ns)
         do_job(centre, job_of(first));
     }
     open_when_hungry(centre);
+}
+
+// ---- Life ----
+
+void centre_init(struct centre *centre, const struct costs *costs, const struct scenario *scenario,
+                 const struct schedule_settings *settings, uint32_t search_count, uint32_t trimmers,
+                 struct network *network, struct fleet *fleet)
+{
+    *centre = (struct centre){
+        .costs = costs,
+        .scenario = scenario,
+        .model = model_create(scenario),
+        .network = network,
+        .fleet = fleet,
+        .places = g_hash_table_new(g_int64_hash, g_int64_equal),
+        .dispatcher = dispatcher_create(settings, 1, &calls, centre),
+        .opening = opening_default(),
+        .searches = g_new0(struct centre_search, search_count),
+        .search_count = search_count,
+        .trimmers = trimmers,
+    };
+    g_queue_init(&centre->trims_waiting);
+    for (uint32_t i = 0; i < fleet->count; i++)
+        g_hash_table_insert(centre->places, &fleet->workers[i].sender,
+                            GUINT_TO_POINTER(fleet->workers[i].place));
+}
+
+void centre_fini(struct centre *centre)
+{
+    struct heap_entry *first;
+    while ((first = heap_first(&centre->jobs)) != NULL) {
+        struct job *job = job_of(first);
+        heap_remove(&centre->jobs, first);
+        if (job->kind == JOB_PACKET)
+            network_drop(job->packet);
+        g_free(job);
+    }
+    for (uint32_t i = 0; i < centre->search_count; i++)
+        search_free(centre->searches[i].search);
+    g_free(centre->searches);
+    g_queue_clear(&centre->trims_waiting);
+    heap_fini(&centre->jobs);
+    heap_fini(&centre->trims_due);
+    dispatcher_free(centre->dispatcher);
+    g_hash_table_destroy(centre->places);
+    model_free(centre->model);
 }

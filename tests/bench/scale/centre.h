@@ -1,8 +1,8 @@
-// The simulated coordinator: the real schedule, the real searches and the real rule for opening
+// The simulated coordinator: the real dispatcher, the real searches and the real rule for opening
 // them, and a model of the threads they run in. Virtual time passes while a thread works, and what
 // comes meanwhile waits for it:
 //
-//     packet --> LCM's thread --> loop: schedule_step(), batches sent, steps written
+//     packet --> LCM's thread --> loop: dispatcher_take(), batches sent, steps written
 //                                   ^                     | a step is sampled
 //                                   +--- trimming threads +
 //
@@ -11,8 +11,8 @@
 #ifndef SOBOX_TESTS_BENCH_SCALE_CENTRE_H
 #define SOBOX_TESTS_BENCH_SCALE_CENTRE_H
 
+#include "coordinator/dispatch/dispatcher.h"
 #include "coordinator/runtime/opening.h"
-#include "coordinator/schedule/schedule.h"
 #include "coordinator/search/search.h"
 #include "tests/bench/scale/fleet.h"
 #include "worker/models/model.h"
@@ -38,8 +38,7 @@ struct centre {
     struct fleet *fleet;
     GHashTable *places; // sender number -> place
 
-    struct schedule *schedule;
-    struct schedule_effects effects;
+    struct dispatcher *dispatcher;
     struct opening opening;
     struct centre_search *searches; // (search_count)
     uint32_t search_count;

@@ -1,4 +1,4 @@
-// How many workers a coordinator keeps busy: the real schedule and the real searches on the
+// How many workers a coordinator keeps busy: the real dispatcher and the real searches on the
 // simulated network and clock of tests/cluster, with what everything costs as measured (costs.h).
 // Prints CSV, a row a cluster; tests/bench/README.md says what they mean.
 //
@@ -105,7 +105,7 @@ static struct schedule_settings settings_for(uint32_t mtu)
 static void set_mark(struct mark *mark, const struct centre *centre, int64_t now_ns)
 {
     *mark = (struct mark){.ns = now_ns, .samples = centre->samples, .busy = centre->busy};
-    schedule_counters(centre->schedule, &mark->counters);
+    dispatcher_counters(centre->dispatcher, &mark->counters);
 }
 
 static void measure(struct figures *figures, const struct cluster *cluster,
