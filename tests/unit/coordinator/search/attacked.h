@@ -8,6 +8,7 @@
 #include "common/scenario/scenario.h"
 #include "coordinator/search/cutting_set.h"
 #include "coordinator/search/frame.h"
+#include "coordinator/search/robust.h"
 
 #include <glib.h>
 #include <math.h>
@@ -64,6 +65,15 @@ static inline void attacked_set(const struct attacked *attacked, const struct de
 {
     cutting_set_init(set, &attacked->frame, demands, &attacked->scenario.curves,
                      attacked->constraints, 1, start);
+}
+
+// Cutting sets of the problem from several starts.
+static inline void attacked_robust(const struct attacked *attacked, const struct demands *demands,
+                                   uint64_t seed, const struct cloud *starts, uint32_t steps,
+                                   struct robust *robust)
+{
+    robust_init(robust, &attacked->frame, demands, &attacked->scenario.curves,
+                attacked->constraints, seed, starts, steps);
 }
 
 // What workers do: full verdicts, and margins as batch.h has them.
