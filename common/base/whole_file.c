@@ -7,6 +7,38 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+// ---- Reading ----
+
+char *whole_file_read(const char *path, size_t size_max, size_t *size, struct error *error)
+{
+    enum { PIECE_SIZE = 1 << 16 };
+    FILE *file = fopen(path, "rb");
+    int reason = errno;
+    char *text = NULL;
+    size_t added = 1;
+    *size = 0;
+    while (file != NULL && added > 0 && *size <= size_max) {
+        const size_t room = MIN(size_max + 1 - *size, (size_t)PIECE_SIZE);
+        text = g_realloc(text, *size + room);
+        added = fread(text + *size, 1, room, file);
+        *size += added;
+    }
+    const bool failed = file == NULL || ferror(file) != 0;
+    if (file != NULL) {
+        reason = errno;
+        fclose(file);
+    }
+    if (failed) {
+        error_set(error, STATUS_INVALID, "%s:1:1: expected a file that can be read: %s", path,
+                  g_strerror(reason));
+        g_free(text);
+        return NULL;
+    }
+    return text;
+}
+
+// ---- Writing ----
+
 static enum status failure(const char *path, int reason, struct error *error)
 {
     return error_set(error, STATUS_IO, "%s: cannot be written: %s", path, g_strerror(reason));

@@ -1,4 +1,5 @@
-// Files that are whole or absent: written beside their place, then renamed into it.
+// Files that are whole or absent: read at once, and written beside their place, then renamed into
+// it.
 //
 // What is no regular file is written to as it is: a rename would put a file where a device was, and
 // whoever says /dev/stdout or a pipe wants what is behind it. Behind a symbolic link the file that
@@ -10,6 +11,11 @@
 
 #include <stddef.h>
 #include <stdio.h>
+
+// Reads a file, but at most `size_max` + 1 bytes of it: the one byte more tells a file that is too
+// long, even one that never ends. The text is released with g_free(). Errors: NULL, with `error`
+// filled (STATUS_INVALID): to the user a file that cannot be read is wrong input like any other.
+char *whole_file_read(const char *path, size_t size_max, size_t *size, struct error *error);
 
 // Writes `size` bytes as the file `path`, replacing one that is there. Errors: STATUS_IO.
 enum status whole_file_write(const char *path, const void *bytes, size_t size,

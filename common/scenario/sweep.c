@@ -26,7 +26,7 @@ static bool read_base(struct sweep *sweep, const struct tree_node *node, struct 
                    tree_shown(node, shown));
         return false;
     }
-    char *path = sweep_axes_beside(node);
+    char *path = sweep_table_path(node);
     sweep->base = tree_load(path, error);
     const bool nested = sweep->base != NULL && tree_child(tree_root(sweep->base), "sweep") != NULL;
     if (nested)

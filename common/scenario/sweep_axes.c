@@ -1,5 +1,4 @@
 #include "common/scenario/field.h"
-#include "common/scenario/sheet.h"
 #include "common/scenario/sweep_state.h"
 #include "common/table/decimal.h"
 
@@ -116,9 +115,8 @@ static bool read_linspace(struct sweep *sweep, struct sweep_axis *axis,
 
 // ---- Columns ----
 
-// Takes a path for a new column of the axis.
-static bool add_column(struct sweep *sweep, struct sweep_axis *axis, const char *path,
-                       const struct tree_node *place, struct error *error)
+bool sweep_axes_add_column(struct sweep *sweep, struct sweep_axis *axis, const char *path,
+                           const struct tree_node *place, struct error *error)
 {
     if (path[0] == '\0' || path[0] == '.' || strchr(path, '=') != NULL ||
         strstr(path, "..") != NULL || g_str_has_suffix(path, ".")) {
@@ -183,7 +181,7 @@ static bool read_key(struct sweep *sweep, struct sweep_axis *axis, const struct 
                    tree_shown(entry->path, shown));
         return false;
     }
-    if (!add_column(sweep, axis, entry->path->text, entry->path, error))
+    if (!sweep_axes_add_column(sweep, axis, entry->path->text, entry->path, error))
         return false;
     if (entry->values != NULL)
         return read_values(sweep, axis, entry->values, error);
@@ -242,96 +240,6 @@ static bool read_zip(struct sweep *sweep, struct sweep_axis *axis, const struct 
     return true;
 }
 
-// ---- Tables ----
-
-char *sweep_axes_beside(const struct tree_node *node)
-{
-    if (g_path_is_absolute(node->text))
-        return g_strdup(node->text);
-    char *folder = g_path_get_dirname(node->source);
-    char *path = strcmp(folder, ".") == 0 ? g_strdup(node->text)
-                                          : g_build_filename(folder, node->text, NULL);
-    g_free(folder);
-    return path;
-}
-
-static bool take_heads(struct sweep *sweep, struct sweep_axis *axis, const struct sheet *sheet,
-                       const char *source, uint32_t *label_column, struct error *error)
-{
-    *label_column = UINT32_MAX;
-    for (uint32_t c = 0; c < sheet->column_count; c++) {
-        const struct sheet_cell *head = sheet_cell(sheet, 0, c);
-        const struct tree_node place = {
-            .source = source, .line = head->line, .column = head->column};
-        if (strcmp(head->text, "case") == 0 && *label_column == UINT32_MAX)
-            *label_column = c;
-        else if (!add_column(sweep, axis, head->text, &place, error))
-            return false;
-    }
-    if (*label_column != UINT32_MAX)
-        axis->labels = g_ptr_array_new();
-    return true;
-}
-
-static bool take_label(struct sweep *sweep, struct sweep_axis *axis, const char *text,
-                       const struct tree_node *place, struct error *error)
-{
-    if (strchr(text, ',') != NULL) {
-        tree_error(place, error, "expected a name without commas, found '%s'", text);
-        return false;
-    }
-    g_ptr_array_add(axis->labels, g_string_chunk_insert_const(sweep->strings, text));
-    return true;
-}
-
-static bool take_sheet(struct sweep *sweep, struct sweep_axis *axis, const struct sheet *sheet,
-                       struct error *error)
-{
-    const char *source = g_string_chunk_insert_const(sweep->strings, sheet->source);
-    uint32_t label_column;
-    if (!take_heads(sweep, axis, sheet, source, &label_column, error))
-        return false;
-    for (uint32_t r = 1; r <= sheet->row_count; r++) {
-        for (uint32_t c = 0; c < sheet->column_count; c++) {
-            const struct sheet_cell *cell = sheet_cell(sheet, r, c);
-            const struct tree_node place = {
-                .source = source, .line = cell->line, .column = cell->column};
-            if (cell->text[0] == '\0') {
-                tree_error(&place, error, "expected a value for %s, found an empty cell",
-                           sheet_cell(sheet, 0, c)->text);
-                return false;
-            }
-            if (c == label_column ? !take_label(sweep, axis, cell->text, &place, error)
-                                  : !sweep_cell_add_text(sweep, axis, cell->text, &place, error))
-                return false;
-        }
-    }
-    axis->row_count = sheet->row_count;
-    return true;
-}
-
-static bool read_csv(struct sweep *sweep, struct sweep_axis *axis, const struct tree_node *node,
-                     struct error *error)
-{
-    char shown[TREE_SHOWN_SIZE];
-    if (node->kind != TREE_SCALAR) {
-        tree_error(node, error, "expected the name of a CSV file, found %s",
-                   tree_shown(node, shown));
-        return false;
-    }
-    char *path = sweep_axes_beside(node);
-    struct sheet sheet;
-    bool read = sheet_read_file(&sheet, path, SWEEP_CASE_MAX, error) == STATUS_OK &&
-                take_sheet(sweep, axis, &sheet, error);
-    if (read && axis->column_count == 0) {
-        tree_error(node, error, "expected a column headed by the path of a key in %s", path);
-        read = false;
-    }
-    sheet_fini(&sheet);
-    g_free(path);
-    return read;
-}
-
 // ---- Axes ----
 
 static bool count_cases(struct sweep *sweep, const struct tree_node *place, uint32_t rows,
@@ -358,7 +266,7 @@ static bool read_axis(struct sweep *sweep, const struct tree_node *node, struct 
     if (entry.zip != NULL) {
         read = read_zip(sweep, &axis, entry.zip, error);
     } else if (entry.csv != NULL) {
-        read = read_csv(sweep, &axis, entry.csv, error);
+        read = sweep_table_read(sweep, &axis, entry.csv, error);
     } else {
         read = read_key(sweep, &axis, &entry, error);
         axis.row_count = axis.cells->len;
@@ -388,7 +296,7 @@ bool sweep_axes_add_seeds(struct sweep *sweep, const struct tree_node *place, ui
     struct sweep_axis axis = {.first_column = sweep->columns->len,
                               .row_count = count,
                               .cells = g_array_new(FALSE, FALSE, sizeof(struct sweep_cell))};
-    const bool added = add_column(sweep, &axis, "search.seed", place, error) &&
+    const bool added = sweep_axes_add_column(sweep, &axis, "search.seed", place, error) &&
                        count_cases(sweep, place, count, error);
     for (uint32_t i = 0; added && i < count; i++) {
         char text[32];

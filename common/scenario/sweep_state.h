@@ -63,8 +63,16 @@ bool sweep_axes_read(struct sweep *sweep, const struct tree_node *node, struct e
 bool sweep_axes_add_seeds(struct sweep *sweep, const struct tree_node *place, uint64_t seed,
                           uint32_t count, struct error *error);
 
+// Takes a path for a new column of the axis. Returns false with `error` filled.
+bool sweep_axes_add_column(struct sweep *sweep, struct sweep_axis *axis, const char *path,
+                           const struct tree_node *place, struct error *error);
+
+// Reads the axis that is the table named by `node`. Returns false with `error` filled.
+bool sweep_table_read(struct sweep *sweep, struct sweep_axis *axis, const struct tree_node *node,
+                      struct error *error);
+
 // A path in the sweep file, as seen from that file's folder. Released with g_free().
-char *sweep_axes_beside(const struct tree_node *node);
+char *sweep_table_path(const struct tree_node *node);
 
 // Chooses how names call the columns, and refuses two cases that would have the same name.
 bool sweep_case_label(struct sweep *sweep, struct error *error);

@@ -1,12 +1,11 @@
 #include "coordinator/evaluation/corridors.h"
 
-#include "common/scenario/sheet.h"
+#include "common/table/csv.h"
+#include "common/table/decimal.h"
 
 #include <glib.h>
 #include <math.h>
 #include <string.h>
-
-enum { CORRIDORS_ROWS_MAX = 100000 };
 
 // Spreadsheets keep 15 digits, and a sum of deformations or of forces is rounded as well.
 static const double corridors_rounding = 1e-9; // of the design space's width, and [m]
@@ -33,157 +32,164 @@ static const char *const column_names[COLUMN_COUNT] = {
 // The reading in progress.
 struct corridors {
     const struct scenario *scenario; // borrowed
-    struct sheet sheet;
+    struct csv csv;
+    uint32_t column_count;          // of the header
     uint32_t columns[COLUMN_COUNT]; // where they stand; column_count: nowhere
-    uint32_t *rows;                 // (variables) where each stands; 0: not yet
+    char *search;                   // of the first row; NULL before it
+    bool *there;                    // (variables) which have had their row
     struct box box;
     struct error *error;
 };
 
-static enum status wrong(const struct corridors *corridors, const struct sheet_cell *cell,
-                         const char *expected)
+static const struct csv_field *field_at(const struct corridors *corridors, enum column column)
 {
-    return error_set(corridors->error, STATUS_INVALID, "%s:%u:%u: expected %s, found '%.40s'",
-                     corridors->sheet.source, cell->line, cell->column, expected, cell->text);
+    return &corridors->csv.fields[corridors->columns[column]];
 }
 
-static const struct sheet_cell *cell_at(const struct corridors *corridors, uint32_t row,
-                                        enum column column)
+static enum status wrong(const struct corridors *corridors, enum column column,
+                         const char *expected)
 {
-    return sheet_cell(&corridors->sheet, row, corridors->columns[column]);
+    char shown[CSV_SHOWN_SIZE];
+    return csv_error(&corridors->csv, corridors->columns[column], corridors->error,
+                     "expected %s, found '%s'", expected,
+                     csv_shown(field_at(corridors, column), shown));
 }
 
 // ---- the header
 
 static enum status find_columns(struct corridors *corridors)
 {
-    const struct sheet *sheet = &corridors->sheet;
+    struct csv *csv = &corridors->csv;
+    if (csv_row(csv, corridors->error) != STATUS_OK)
+        return STATUS_INVALID;
+    corridors->column_count = csv->field_count;
     for (int column = 0; column < COLUMN_COUNT; column++) {
         uint32_t at = 0;
-        while (at < sheet->column_count &&
-               strcmp(sheet_cell(sheet, 0, at)->text, column_names[column]) != 0)
+        while (at < csv->field_count && !csv_is(&csv->fields[at], column_names[column]))
             at++;
         corridors->columns[column] = at;
-        if (at == sheet->column_count && column != COLUMN_SEARCH)
-            return error_set(corridors->error, STATUS_INVALID,
-                             "%s:%u:1: expected the columns spring,direction,deformation_m,lower_N,"
-                             "upper_N with commas between them; '%s' is missing",
-                             sheet->source, sheet_cell(sheet, 0, 0)->line, column_names[column]);
+        if (at == csv->field_count && column != COLUMN_SEARCH)
+            return csv_error_at(csv, csv->line_begin, corridors->error,
+                                "expected the columns spring,direction,deformation_m,lower_N,"
+                                "upper_N with commas between them; '%s' is missing",
+                                column_names[column]);
     }
     return STATUS_OK;
 }
 
 // The corridors of one search make a box.
-static enum status check_search(const struct corridors *corridors, uint32_t row)
+static enum status check_search(struct corridors *corridors)
 {
-    if (corridors->columns[COLUMN_SEARCH] == corridors->sheet.column_count)
+    if (corridors->columns[COLUMN_SEARCH] == corridors->column_count)
         return STATUS_OK;
-    const struct sheet_cell *cell = cell_at(corridors, row, COLUMN_SEARCH);
-    if (strcmp(cell->text, cell_at(corridors, 1, COLUMN_SEARCH)->text) == 0)
-        return STATUS_OK;
-    return wrong(corridors, cell, "the corridors of one search alone, as in the first row");
+    const struct csv_field *field = field_at(corridors, COLUMN_SEARCH);
+    if (corridors->search == NULL)
+        corridors->search = csv_text(field);
+    return csv_is(field, corridors->search)
+               ? STATUS_OK
+               : wrong(corridors, COLUMN_SEARCH,
+                       "the corridors of one search alone, as in the first row");
 }
 
 // ---- which variable a row is
 
-static enum status read_number(const struct corridors *corridors, const struct sheet_cell *cell,
+static enum status read_number(const struct corridors *corridors, enum column column,
                                double *number)
 {
-    char *end;
-    *number = g_ascii_strtod(cell->text, &end);
-    if (end == cell->text || *end != '\0' || !isfinite(*number))
-        return wrong(corridors, cell, "a number");
-    return STATUS_OK;
+    const struct csv_field *field = field_at(corridors, column);
+    return decimal_read(field->text, field->size, number) ? STATUS_OK
+                                                          : wrong(corridors, column, "a number");
 }
 
-static bool is_place(const struct scenario *scenario, const struct scenario_variable *variable,
-                     const struct sheet_cell *name, const char *direction, double deformation)
+static bool is_place(const struct corridors *corridors, const struct scenario_variable *variable,
+                     double deformation)
 {
+    const struct csv_field *name = field_at(corridors, COLUMN_SPRING);
     if (variable->spring == SCENARIO_NO_SPRING)
-        return strcmp(variable->name, name->text) == 0;
-    const struct scenario_spring *spring = &scenario->springs[variable->spring];
-    return strcmp(spring->name, name->text) == 0 &&
-           strcmp(scenario_direction_name(variable->direction), direction) == 0 &&
+        return csv_is(name, variable->name);
+    const struct scenario_spring *spring = &corridors->scenario->springs[variable->spring];
+    return csv_is(name, spring->name) &&
+           csv_is(field_at(corridors, COLUMN_DIRECTION),
+                  scenario_direction_name(variable->direction)) &&
            fabs(spring->deformation[variable->point] - deformation) <= corridors_rounding;
 }
 
 // What of the place is wrong: the first part of it that no variable has.
-static enum status no_place(const struct corridors *corridors, uint32_t row)
+static enum status no_place(const struct corridors *corridors)
 {
     const struct scenario *scenario = corridors->scenario;
-    const struct sheet_cell *name = cell_at(corridors, row, COLUMN_SPRING);
-    const struct sheet_cell *direction = cell_at(corridors, row, COLUMN_DIRECTION);
+    const struct csv_field *direction = field_at(corridors, COLUMN_DIRECTION);
     uint32_t s = 0;
-    while (s < scenario->spring_count && strcmp(scenario->springs[s].name, name->text) != 0)
+    while (s < scenario->spring_count &&
+           !csv_is(field_at(corridors, COLUMN_SPRING), scenario->springs[s].name))
         s++;
     if (s == scenario->spring_count)
-        return wrong(corridors, name,
+        return wrong(corridors, COLUMN_SPRING,
                      scenario->spring_count > 0 ? "the name of a spring of the scenario"
                                                 : "the name of a variable of the scenario");
-    if (strcmp(direction->text, "x") != 0 && strcmp(direction->text, "y") != 0)
-        return wrong(corridors, direction, "x or y");
-    return wrong(corridors, cell_at(corridors, row, COLUMN_DEFORMATION),
+    if (!csv_is(direction, "x") && !csv_is(direction, "y"))
+        return wrong(corridors, COLUMN_DIRECTION, "x or y");
+    return wrong(corridors, COLUMN_DEFORMATION,
                  "a deformation at which the scenario has a point of this spring [m]");
 }
 
-static enum status find_variable(const struct corridors *corridors, uint32_t row,
-                                 uint32_t *variable)
+static enum status find_variable(const struct corridors *corridors, uint32_t *variable)
 {
     const struct scenario *scenario = corridors->scenario;
-    const struct sheet_cell *name = cell_at(corridors, row, COLUMN_SPRING);
-    const struct sheet_cell *place = cell_at(corridors, row, COLUMN_DEFORMATION);
     double deformation = NAN;
-    if (place->text[0] != '\0' && read_number(corridors, place, &deformation) != STATUS_OK)
+    if (field_at(corridors, COLUMN_DEFORMATION)->size > 0 &&
+        read_number(corridors, COLUMN_DEFORMATION, &deformation) != STATUS_OK)
         return STATUS_INVALID;
-    const char *direction = cell_at(corridors, row, COLUMN_DIRECTION)->text;
     for (uint32_t v = 0; v < scenario->design_space.count; v++) {
-        if (!is_place(scenario, &scenario->variables[v], name, direction, deformation))
+        if (!is_place(corridors, &scenario->variables[v], deformation))
             continue;
         *variable = v;
-        return corridors->rows[v] == 0 ? STATUS_OK
-                                       : wrong(corridors, name, "each corridor's place once");
+        return corridors->there[v] ? wrong(corridors, COLUMN_SPRING, "each corridor's place once")
+                                   : STATUS_OK;
     }
-    return no_place(corridors, row);
+    return no_place(corridors);
 }
 
 // ---- its bounds
 
-static enum status read_bound(const struct corridors *corridors, uint32_t row, enum column column,
+static enum status read_bound(const struct corridors *corridors, enum column column,
                               uint32_t variable, double *bound)
 {
     const struct box *space = &corridors->scenario->design_space;
     const double lower = space->lower[variable], upper = space->upper[variable];
     const double slack = corridors_rounding * fmax(upper - lower, fabs(upper));
-    const struct sheet_cell *cell = cell_at(corridors, row, column);
-    if (read_number(corridors, cell, bound) != STATUS_OK)
+    char shown[CSV_SHOWN_SIZE];
+    if (read_number(corridors, column, bound) != STATUS_OK)
         return STATUS_INVALID;
     if (*bound < lower - slack || *bound > upper + slack)
-        return error_set(corridors->error, STATUS_INVALID,
-                         "%s:%u:%u: %s: expected a bound inside the design space, %.15g to %.15g, "
-                         "found %.40s",
-                         corridors->sheet.source, cell->line, cell->column,
-                         corridors->scenario->variables[variable].name, lower, upper, cell->text);
+        return csv_error(&corridors->csv, corridors->columns[column], corridors->error,
+                         "%s: expected a bound inside the design space, %.15g to %.15g, found %s",
+                         corridors->scenario->variables[variable].name, lower, upper,
+                         csv_shown(field_at(corridors, column), shown));
     *bound = fmin(fmax(*bound, lower), upper);
     return STATUS_OK;
 }
 
-static enum status read_row(struct corridors *corridors, uint32_t row)
+static enum status read_row(struct corridors *corridors)
 {
+    const struct csv *csv = &corridors->csv;
+    char shown[CSV_SHOWN_SIZE];
     uint32_t v = 0;
-    if (check_search(corridors, row) != STATUS_OK ||
-        find_variable(corridors, row, &v) != STATUS_OK ||
-        read_bound(corridors, row, COLUMN_LOWER, v, &corridors->box.lower[v]) != STATUS_OK ||
-        read_bound(corridors, row, COLUMN_UPPER, v, &corridors->box.upper[v]) != STATUS_OK)
+    if (csv->field_count != corridors->column_count)
+        return csv_error_at(csv, csv->line_begin, corridors->error,
+                            "expected %u cells as in the header, found %u", corridors->column_count,
+                            csv->field_count);
+    if (check_search(corridors) != STATUS_OK || find_variable(corridors, &v) != STATUS_OK ||
+        read_bound(corridors, COLUMN_LOWER, v, &corridors->box.lower[v]) != STATUS_OK ||
+        read_bound(corridors, COLUMN_UPPER, v, &corridors->box.upper[v]) != STATUS_OK)
         return STATUS_INVALID;
-    corridors->rows[v] = row;
+    corridors->there[v] = true;
     if (corridors->box.lower[v] <= corridors->box.upper[v])
         return STATUS_OK;
-    const struct sheet_cell *cell = cell_at(corridors, row, COLUMN_UPPER);
-    return error_set(corridors->error, STATUS_INVALID,
-                     "%s:%u:%u: %s: expected an upper bound at least at the lower one of %.15g, "
-                     "found %.40s",
-                     corridors->sheet.source, cell->line, cell->column,
-                     corridors->scenario->variables[v].name, corridors->box.lower[v], cell->text);
+    return csv_error(csv, corridors->columns[COLUMN_UPPER], corridors->error,
+                     "%s: expected an upper bound at least at the lower one of %.15g, found %s",
+                     corridors->scenario->variables[v].name, corridors->box.lower[v],
+                     csv_shown(field_at(corridors, COLUMN_UPPER), shown));
 }
 
 // ---- the whole
@@ -194,28 +200,31 @@ static enum status complete(struct corridors *corridors)
     const struct box *space = &corridors->scenario->design_space;
     bool wide = false;
     for (uint32_t v = 0; v < space->count; v++) {
-        if (corridors->rows[v] == 0 && space->lower[v] < space->upper[v])
+        if (!corridors->there[v] && space->lower[v] < space->upper[v])
             return error_set(corridors->error, STATUS_INVALID,
-                             "%s:%u:1: expected a row for every variable; that of %s is missing",
-                             corridors->sheet.source, sheet_cell(&corridors->sheet, 0, 0)->line,
-                             corridors->scenario->variables[v].name);
-        if (corridors->rows[v] == 0)
+                             "%s:1:1: expected a row for every variable; that of %s is missing",
+                             corridors->csv.source, corridors->scenario->variables[v].name);
+        if (!corridors->there[v])
             corridors->box.lower[v] = corridors->box.upper[v] = space->lower[v];
         wide = wide || corridors->box.lower[v] < corridors->box.upper[v];
     }
     if (wide)
         return STATUS_OK;
     return error_set(corridors->error, STATUS_INVALID,
-                     "%s:%u:1: every corridor is a single value: expected a lower bound below its "
+                     "%s:1:1: every corridor is a single value: expected a lower bound below its "
                      "upper one (sobox-simulate looks at one design)",
-                     corridors->sheet.source, sheet_cell(&corridors->sheet, 0, 0)->line);
+                     corridors->csv.source);
 }
 
-static enum status read_sheet(struct corridors *corridors)
+static enum status read_rows(struct corridors *corridors)
 {
+    struct csv *csv = &corridors->csv;
     enum status status = find_columns(corridors);
-    for (uint32_t row = 1; row <= corridors->sheet.row_count && status == STATUS_OK; row++)
-        status = read_row(corridors, row);
+    while (status == STATUS_OK && csv->field_count > 0) {
+        status = csv_row(csv, corridors->error);
+        if (status == STATUS_OK && csv->field_count > 0)
+            status = read_row(corridors);
+    }
     return status == STATUS_OK ? complete(corridors) : status;
 }
 
@@ -227,30 +236,30 @@ enum status corridors_read(struct box *box, const struct scenario *scenario, con
     const bool folder = g_file_test(path, G_FILE_TEST_IS_DIR);
     g_autofree char *file = folder ? g_build_filename(path, "corridors.csv", NULL) : g_strdup(path);
     *box = (struct box){0};
-    enum status status =
-        sheet_read_file(&corridors.sheet, file, CORRIDORS_ROWS_MAX, corridors.error);
-    if (status != STATUS_OK)
-        return status;
-    corridors.rows = g_new0(uint32_t, scenario->design_space.count + 1);
+    size_t size;
+    g_autofree char *text = csv_load(file, &size, corridors.error);
+    if (text == NULL)
+        return STATUS_INVALID;
+    csv_start(&corridors.csv, file, text, size);
+    corridors.there = g_new0(bool, scenario->design_space.count + 1);
     box_init(&corridors.box, scenario->design_space.count);
-    status = read_sheet(&corridors);
+    const enum status status = read_rows(&corridors);
     if (status == STATUS_OK) {
         *box = corridors.box;
         corridors.box = (struct box){0};
     }
     box_fini(&corridors.box);
-    g_free(corridors.rows);
-    sheet_fini(&corridors.sheet);
+    g_free(corridors.there);
+    g_free(corridors.search);
     return status;
 }
 
 static void put_numbers(GString *text, const char *key, const double *numbers, uint32_t count)
 {
-    char number[G_ASCII_DTOSTR_BUF_SIZE];
+    char number[DECIMAL_SIZE];
     g_string_append_printf(text, "%s: [", key);
     for (uint32_t i = 0; i < count; i++)
-        g_string_append_printf(text, "%s%s", i > 0 ? ", " : "",
-                               g_ascii_formatd(number, sizeof number, "%.17g", numbers[i]));
+        g_string_append_printf(text, "%s%s", i > 0 ? ", " : "", decimal_text(numbers[i], number));
     g_string_append_c(text, ']');
 }
 

@@ -7,8 +7,7 @@
 //
 // `id` is any text without comma and quotes and may be left out, and so may variables that the
 // scenario fixes. Values are in the unit of the variable and may lie outside the design space, as
-// those for sobox-simulate may. Blanks around fields, blank lines and lines that begin with # are
-// skipped; lines end with LF or CR LF. The text is as untrusted as any file.
+// those for sobox-simulate may. For the rest see common/table/csv.h.
 #ifndef SOBOX_COORDINATOR_EVALUATION_DESIGNS_H
 #define SOBOX_COORDINATOR_EVALUATION_DESIGNS_H
 

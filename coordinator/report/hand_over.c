@@ -1,13 +1,12 @@
 // What leaves for other departments, and what comes back: curves for their solvers, and measured
 // curves held against the corridors.
 #include "common/base/whole_file.h"
+#include "common/table/csv.h"
 #include "coordinator/report/curves.h"
 #include "coordinator/report/leaving.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/units.h"
-
-#include "common/scenario/sheet.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -95,93 +94,105 @@ enum status report_export(const char *directory, const struct report_export *exp
 
 // ---- in ----
 
-enum { MEASURED_ROWS_MAX = 100000, PIECES_MAX = 1000 };
+enum { PIECES_MAX = 1000 };
 
-static enum status misplaced(const struct sheet *sheet, const struct sheet_cell *cell,
-                             const char *expected, struct error *error)
+enum column { COLUMN_SPRING, COLUMN_DIRECTION, COLUMN_DEFORMATION, COLUMN_FORCE, COLUMN_COUNT };
+
+static enum status misplaced(const struct csv *csv, uint32_t field, const char *expected,
+                             struct error *error)
 {
-    return error_set(error, STATUS_INVALID, "%s:%u:%u: expected %s, found '%.40s'", sheet->source,
-                     cell->line, cell->column, expected, cell->text);
+    char shown[CSV_SHOWN_SIZE];
+    return csv_error(csv, field, error, "expected %s, found '%s'", expected,
+                     csv_shown(&csv->fields[field], shown));
 }
 
-static enum status check_header(const struct sheet *sheet, struct error *error)
+static enum status check_header(struct csv *csv, struct error *error)
 {
-    static const char *const names[] = {"spring", "direction", "deformation", "force"};
-    for (uint32_t c = 0; c < G_N_ELEMENTS(names); c++) {
-        if (c >= sheet->column_count)
-            return error_set(error, STATUS_INVALID,
-                             "%s:%u:1: expected the columns spring,direction,deformation,force; "
-                             "'%s' is missing",
-                             sheet->source, sheet_cell(sheet, 0, 0)->line, names[c]);
-        if (strcmp(sheet_cell(sheet, 0, c)->text, names[c]) != 0)
-            return misplaced(sheet, sheet_cell(sheet, 0, c), names[c], error);
+    static const char *const names[COLUMN_COUNT] = {"spring", "direction", "deformation", "force"};
+    if (csv_row(csv, error) != STATUS_OK)
+        return STATUS_INVALID;
+    for (uint32_t c = 0; c < COLUMN_COUNT; c++) {
+        if (c >= csv->field_count)
+            return csv_error(csv, c, error,
+                             "expected the columns spring,direction,deformation,force; '%s' is "
+                             "missing",
+                             names[c]);
+        if (!csv_is(&csv->fields[c], names[c]))
+            return misplaced(csv, c, names[c], error);
     }
-    if (sheet->column_count > G_N_ELEMENTS(names))
-        return misplaced(sheet, sheet_cell(sheet, 0, G_N_ELEMENTS(names)), "four columns", error);
+    return csv->field_count > COLUMN_COUNT ? misplaced(csv, COLUMN_COUNT, "four columns", error)
+                                           : STATUS_OK;
+}
+
+// Moves to the next row; at the end of the table it has no field.
+static enum status next_row(struct csv *csv, struct error *error)
+{
+    if (csv_row(csv, error) != STATUS_OK)
+        return STATUS_INVALID;
+    if (csv->field_count > 0 && csv->field_count != COLUMN_COUNT)
+        return csv_error(csv, COLUMN_COUNT, error, "expected %d fields as in the header, found %u",
+                         COLUMN_COUNT, csv->field_count);
     return STATUS_OK;
 }
 
-static enum status read_number(const struct sheet *sheet, const struct sheet_cell *cell,
-                               double *number, struct error *error)
+static enum status read_point(const struct csv *csv, const struct units *units, GArray *x,
+                              GArray *y, struct error *error)
 {
-    char *end;
-    *number = g_ascii_strtod(cell->text, &end);
-    if (end == cell->text || *end != '\0' || !isfinite(*number))
-        return misplaced(sheet, cell, "a number", error);
+    double deformation, force;
+    if (csv_number(csv, COLUMN_DEFORMATION, "deformation", units->length, &deformation, error) !=
+            STATUS_OK ||
+        csv_number(csv, COLUMN_FORCE, "force", units->force, &force, error) != STATUS_OK)
+        return STATUS_INVALID;
+    if (x->len > 0 && deformation <= g_array_index(x, double, x->len - 1))
+        return misplaced(csv, COLUMN_DEFORMATION, "a deformation greater than the one above",
+                         error);
+    g_array_append_val(x, deformation);
+    g_array_append_val(y, force);
     return STATUS_OK;
 }
 
-// The rows from `first` on that belong to one curve: its points, and the row behind it.
-static enum status read_curve(const struct sheet *sheet, uint32_t first, GArray *x, GArray *y,
-                              uint32_t *next, struct error *error)
+// Reads the points of one curve, from the row at hand up to the one that is of another.
+static enum status read_curve(struct csv *csv, const char *spring, const char *direction,
+                              const struct units *units, GArray *x, GArray *y, struct error *error)
 {
-    const char *spring = sheet_cell(sheet, first, 0)->text;
-    const char *direction = sheet_cell(sheet, first, 1)->text;
+    const uint64_t line = csv->line;
     g_array_set_size(x, 0);
     g_array_set_size(y, 0);
-    for (*next = first;
-         *next <= sheet->row_count && strcmp(sheet_cell(sheet, *next, 0)->text, spring) == 0 &&
-         strcmp(sheet_cell(sheet, *next, 1)->text, direction) == 0;
-         ++*next) {
-        double deformation, force;
-        if (read_number(sheet, sheet_cell(sheet, *next, 2), &deformation, error) != STATUS_OK ||
-            read_number(sheet, sheet_cell(sheet, *next, 3), &force, error) != STATUS_OK)
+    do {
+        if (read_point(csv, units, x, y, error) != STATUS_OK || next_row(csv, error) != STATUS_OK)
             return STATUS_INVALID;
-        if (x->len > 0 && deformation <= g_array_index(x, double, x->len - 1))
-            return misplaced(sheet, sheet_cell(sheet, *next, 2),
-                             "a deformation greater than the one above", error);
-        g_array_append_val(x, deformation);
-        g_array_append_val(y, force);
-    }
+    } while (csv->field_count > 0 && csv_is(&csv->fields[COLUMN_SPRING], spring) &&
+             csv_is(&csv->fields[COLUMN_DIRECTION], direction));
     if (x->len < 2)
-        return error_set(error, STATUS_INVALID, "%s:%u:1: expected at least 2 points of a curve",
-                         sheet->source, sheet_cell(sheet, first, 0)->line);
+        return error_set(error, STATUS_INVALID,
+                         "%s:%" PRIu64 ":1: expected at least 2 points of a curve", csv->source,
+                         line);
     return STATUS_OK;
 }
 
-static enum status find_component(const struct sheet *sheet, uint32_t row,
-                                  const struct scenario *scenario, uint32_t *spring,
-                                  enum scenario_direction *direction, struct error *error)
+static enum status find_component(const struct csv *csv, const struct scenario *scenario,
+                                  uint32_t *spring, enum scenario_direction *direction,
+                                  struct error *error)
 {
-    const struct sheet_cell *name = sheet_cell(sheet, row, 0), *letter = sheet_cell(sheet, row, 1);
     *spring = 0;
     while (*spring < scenario->spring_count &&
-           strcmp(scenario->springs[*spring].name, name->text) != 0)
+           !csv_is(&csv->fields[COLUMN_SPRING], scenario->springs[*spring].name))
         ++*spring;
     if (*spring == scenario->spring_count) {
         GString *names = g_string_new("the name of a spring, one of");
         for (uint32_t i = 0; i < scenario->spring_count; i++)
             g_string_append_printf(names, "%s %s", i > 0 ? "," : "", scenario->springs[i].name);
-        misplaced(sheet, name, names->str, error);
+        misplaced(csv, COLUMN_SPRING, names->str, error);
         g_string_free(names, TRUE);
         return STATUS_INVALID;
     }
     for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
-        if (strcmp(letter->text, scenario_direction_name((enum scenario_direction)d)) == 0) {
+        if (csv_is(&csv->fields[COLUMN_DIRECTION],
+                   scenario_direction_name((enum scenario_direction)d))) {
             *direction = (enum scenario_direction)d;
             return STATUS_OK;
         }
-    return misplaced(sheet, letter, "x or y", error);
+    return misplaced(csv, COLUMN_DIRECTION, "x or y", error);
 }
 
 // Says where a curve leaves its corridor only behind all that designs of the box ask of the spring:
@@ -255,19 +266,24 @@ static bool hold(const struct run_data_search *search, uint32_t spring_index,
     return count == 0 && from <= to;
 }
 
-static enum status hold_all(const struct sheet *sheet, const struct run_data_search *search,
+static enum status hold_all(struct csv *csv, const struct run_data_search *search,
                             const struct units *units, FILE *out, bool *inside, struct error *error)
 {
     GArray *x = g_array_new(FALSE, FALSE, sizeof(double));
     GArray *y = g_array_new(FALSE, FALSE, sizeof(double));
-    enum status status = check_header(sheet, error);
+    enum status status = check_header(csv, error);
+    if (status == STATUS_OK)
+        status = next_row(csv, error);
+    if (status == STATUS_OK && csv->field_count == 0)
+        status = csv_error(csv, 0, error, "expected rows below the header, found none");
     *inside = true;
-    for (uint32_t row = 1, next = 1; status == STATUS_OK && row <= sheet->row_count; row = next) {
+    while (status == STATUS_OK && csv->field_count > 0) {
         uint32_t spring;
         enum scenario_direction direction = SCENARIO_DIRECTION_X;
-        status = find_component(sheet, row, &search->scenario, &spring, &direction, error);
+        status = find_component(csv, &search->scenario, &spring, &direction, error);
         if (status == STATUS_OK)
-            status = read_curve(sheet, row, x, y, &next, error);
+            status = read_curve(csv, search->scenario.springs[spring].name,
+                                scenario_direction_name(direction), units, x, y, error);
         if (status == STATUS_OK && !hold(search, spring, direction, units, x, y, out))
             *inside = false;
     }
@@ -281,21 +297,25 @@ enum status report_check(const char *directory, const struct report_check *check
 {
     struct run_data data = {0};
     struct run_data_search search = {0};
-    struct sheet sheet = {0};
+    struct csv csv;
+    char *text = NULL;
+    size_t size = 0;
     const struct units *units = NULL;
     *inside = false;
     enum status status = units_find(check->units, &units, error);
     if (status == STATUS_OK)
-        status = sheet_read_file(&sheet, check->path, MEASURED_ROWS_MAX, error);
+        status = (text = csv_load(check->path, &size, error)) != NULL ? STATUS_OK : STATUS_INVALID;
     if (status == STATUS_OK)
         status = load(&data, &search, directory, check->search, error);
-    if (status == STATUS_OK)
-        status = hold_all(&sheet, &search, units, out, inside, error);
+    if (status == STATUS_OK) {
+        csv_start(&csv, check->path, text, size);
+        status = hold_all(&csv, &search, units, out, inside, error);
+    }
     if (status == STATUS_OK && (fflush(out) != 0 || ferror(out)))
         status = error_set(error, STATUS_IO, "what was found could not be printed");
     if (status != STATUS_OK)
         *inside = false;
-    sheet_fini(&sheet);
+    g_free(text);
     run_data_release(&search);
     run_data_fini(&data);
     return status;

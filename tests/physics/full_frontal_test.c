@@ -11,8 +11,8 @@
 //   Forces that are wrong by that share alone would err by closure x (v0 t - x(t)), v0 t - x being
 //   the way that they took from the car. This figure is printed beside the others.
 #include "common/scenario/scenario_read.h"
+#include "common/table/csv.h"
 #include "worker/kinematics/kinematics.h"
-#include "worker/models/csv.h"
 #include "worker/models/small_overlap.h"
 #include "worker/reduction/reduction.h"
 

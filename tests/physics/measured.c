@@ -1,6 +1,7 @@
 #include "tests/physics/measured.h"
+
+#include "common/table/csv.h"
 #include "tests/physics/sedan.h"
-#include "worker/models/csv.h"
 
 #include <math.h>
 #include <setjmp.h>

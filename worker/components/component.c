@@ -1,5 +1,6 @@
 #include "worker/components/component.h"
-#include "worker/models/csv.h"
+
+#include "common/table/csv.h"
 
 #include <glib.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "worker/models/design.h"
+#include "common/table/csv.h"
 #include "common/table/decimal.h"
-#include "worker/models/csv.h"
 
 #include <glib.h>
 #include <string.h>
@@ -114,6 +114,7 @@ static struct design_branch *parse_branch(struct design *design, const struct sc
 {
     const struct csv_field *name = &csv->fields[COLUMN_SPRING];
     const struct csv_field *branch = &csv->fields[COLUMN_BRANCH];
+    char shown[CSV_SHOWN_SIZE];
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         if (!csv_is(name, scenario->springs[i].name)) {
             continue;
@@ -124,16 +125,16 @@ static struct design_branch *parse_branch(struct design *design, const struct sc
         if (csv_is(branch, "unload")) {
             return &design->springs[i].unload;
         }
-        csv_error(csv, COLUMN_BRANCH, error, "branch: expected load or unload, found \"%.*s\"",
-                  (int)MIN(branch->size, SCENARIO_NAME_SIZE), branch->text);
+        csv_error(csv, COLUMN_BRANCH, error, "branch: expected load or unload, found \"%s\"",
+                  csv_shown(branch, shown));
         return NULL;
     }
     GString *names = g_string_new(NULL);
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         g_string_append_printf(names, "%s%s", i > 0 ? ", " : "", scenario->springs[i].name);
     }
-    csv_error(csv, COLUMN_SPRING, error, "spring: expected one of %s; found \"%.*s\"", names->str,
-              (int)MIN(name->size, SCENARIO_NAME_SIZE), name->text);
+    csv_error(csv, COLUMN_SPRING, error, "spring: expected one of %s; found \"%s\"", names->str,
+              csv_shown(name, shown));
     g_string_free(names, TRUE);
     return NULL;
 }

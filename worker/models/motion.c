@@ -1,5 +1,6 @@
 #include "worker/models/motion.h"
-#include "worker/models/csv.h"
+
+#include "common/table/csv.h"
 
 #include <assert.h>
 #include <glib.h>

@@ -1,6 +1,6 @@
 #include "worker/models/point.h"
 
-#include "worker/models/csv.h"
+#include "common/table/csv.h"
 
 #include <glib.h>
 #include <math.h>
@@ -43,15 +43,15 @@ static enum status parse_row(double *values, const struct scenario *scenario, co
                          "expected 2 fields (%s), found %u", header_text, csv->field_count);
     }
     const struct csv_field *name = &csv->fields[COLUMN_VARIABLE];
+    char shown[CSV_SHOWN_SIZE];
     uint32_t i = 0;
     while (i < scenario->design_space.count && !csv_is(name, scenario->variables[i].name)) {
         i++;
     }
     if (i == scenario->design_space.count) {
         return csv_error(csv, COLUMN_VARIABLE, error,
-                         "variable: expected one of the scenario, as %s; found \"%.*s\"",
-                         scenario->variables[0].name, (int)MIN(name->size, SCENARIO_NAME_SIZE),
-                         name->text);
+                         "variable: expected one of the scenario, as %s; found \"%s\"",
+                         scenario->variables[0].name, csv_shown(name, shown));
     }
     if (!isnan(values[i])) {
         return csv_error(csv, COLUMN_VARIABLE, error, "variable %s: expected one value, found two",

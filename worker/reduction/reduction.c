@@ -1,6 +1,6 @@
 #include "worker/reduction/reduction.h"
 
-#include "worker/models/csv.h"
+#include "common/table/csv.h"
 #include "worker/reduction/branches.h"
 #include "worker/reduction/patches.h"
 

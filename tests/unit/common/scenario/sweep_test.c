@@ -228,7 +228,7 @@ static void wrong_sweeps_are_refused_at_their_place(void **state)
          "expected at most 100000 cases in a sweep, found 1000000 with this axis"},
         {HEAD "axes: [{csv: absent.csv}]\n", "absent.csv:1:1: expected a file that can be read"},
         {HEAD "axes: [{csv: empty.csv}]\n", "empty.csv:1:1: expected a header and rows"},
-        {HEAD "axes: [{csv: header.csv}]\n", "header.csv:1:1: expected rows below the header"},
+        {HEAD "axes: [{csv: header.csv}]\n", "header.csv:2:1: expected rows below the header"},
         {HEAD "axes: [{csv: short.csv}]\n",
          "short.csv:3:1: expected 2 cells as in the header, found 1"},
         {HEAD "axes: [{csv: hole.csv}]\n",

@@ -115,9 +115,11 @@ static void what_is_wrong_is_pointed_at(void **state)
     static const struct {
         const char *rows, *complaint;
     } cases[] = {
-        {"", "corridors.csv:1:1: expected a header and rows, found nothing"},
+        {"", "corridors.csv:1:1: expected the columns"},
         {"spring,direction,deformation_m,lower_N,upper_N\n",
-         "corridors.csv:2:1: expected rows below the header, found none"},
+         "corridors.csv:1:1: expected a row for every variable"},
+        {"spring,direction,deformation_m,lower_N,upper_N\nfront,x,0,0\n",
+         "corridors.csv:2:1: expected 5 cells as in the header, found 4"},
         {"spring;direction\nfront;x\n", "corridors.csv:1:1: expected the columns"},
         {"spring,direction,deformation_m,lower_N\nfront,x,0,1\n",
          "corridors.csv:1:1: expected the columns spring,direction,deformation_m,lower_N,upper_N "

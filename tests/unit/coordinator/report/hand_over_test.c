@@ -194,15 +194,20 @@ static void wrong_measured_curves_are_refused_at_their_place(void **state)
     static const struct {
         const char *csv, *said;
     } cases[] = {
-        {"spring,direction,deformation\nfront,x,0\n", "measured.csv:1:1: expected the columns"},
+        {"spring,direction,deformation\nfront,x,0\n", "measured.csv:1:29: expected the columns"},
         {"spring,direction,x,force\nfront,x,0,1\n", "measured.csv:1:18: expected deformation"},
         {"spring,direction,deformation,force,mass\nfront,x,0,1,2\n", "expected four columns"},
         {"spring,direction,deformation,force\nrear,x,0,1\n",
          "measured.csv:2:1: expected the name of a spring, one of front, rail, found 'rear'"},
         {"spring,direction,deformation,force\nfront,z,0,1\n", ":2:7: expected x or y, found 'z'"},
         {"spring,direction,deformation,force\nfront,x,0,1\n", ":2:1: expected at least 2 points"},
-        {"spring,direction,deformation,force\nfront,x,0,one\n", ":2:11: expected a number"},
-        {"spring,direction,deformation,force\nfront,x,0,nan\n", ":2:11: expected a number"},
+        {"spring,direction,deformation,force\nfront,x,0,one\n",
+         ":2:11: force: expected a finite number [N]"},
+        {"spring,direction,deformation,force\nfront,x,0,nan\n",
+         ":2:11: force: expected a finite number [N]"},
+        {"spring,direction,deformation,force\nfront,x,0\n",
+         ":2:10: expected 4 fields as in the header, found 3"},
+        {"spring,direction,deformation,force\n", "expected rows below the header"},
         {"spring,direction,deformation,force\nfront,x,1,1\nfront,x,1,2\n",
          ":3:9: expected a deformation greater than the one above"},
     };
