@@ -87,6 +87,7 @@ void scenario_init(struct scenario *scenario)
                 .certificate_samples = 10000,
                 .target_purity = 0.99,
                 .seed = 1,
+                .promise = PROMISE_EVERY,
                 .sampling = SAMPLING_METHOD_UNIFORM,
                 .explain_samples = SCENARIO_EXPLAIN_AUTO,
             },

@@ -97,6 +97,9 @@ static bool read_document(const struct tree_node *root, struct document *documen
         return false;
     document->formula.root = root;
     document->crash.firewall_distance = tree_child(root, "firewall_distance");
+    // Real parts are whole curves; a formula's variables are what they are.
+    if (scenario->model != SCENARIO_MODEL_SMALL_OVERLAP)
+        scenario->search.promise = PROMISE_POINTS;
     bool read = scenario->model == SCENARIO_MODEL_SMALL_OVERLAP
                     ? crash_read(&document->crash, scenario, error)
                     : formula_read(&document->formula, scenario, error);

@@ -12,6 +12,10 @@
 
 #define AT(structure, member) .offset = offsetof(struct structure, member)
 
+// Times `samples` that an adversarial search takes at least: 6 a step, 24 steps that attack the box
+// at the end, and twice as many before.
+enum { SEARCH_EVERY_STEPS = 432 };
+
 // The values of all samples of a step are in memory while it is trimmed: 1 GiB of doubles.
 #define STEP_VALUES_MAX (UINT64_C(1) << 27)
 
@@ -328,6 +332,18 @@ static bool check_counts(const struct tree_node *node, const struct scenario *sc
         tree_error(tree_spot(node, "samples"), error,
                    "expected at most %llu samples for %u variables, found %u",
                    (unsigned long long)samples_max, scenario->design_space.count, search->samples);
+        return false;
+    }
+    // A certificate of each kind, and enough steps of an adversary for a box to take shape.
+    const uint64_t least_every =
+        4 * (uint64_t)search->certificate_samples + SEARCH_EVERY_STEPS * (uint64_t)search->samples;
+    if (search->promise == PROMISE_EVERY && search->evaluations > 0 &&
+        search->evaluations < least_every) {
+        tree_error(
+            tree_child(node, "evaluations"), error,
+            "expected at least %llu for promise: every, a certificate of each kind of designs "
+            "and an adversarial search, found %llu; promise: points takes less",
+            (unsigned long long)least_every, (unsigned long long)search->evaluations);
         return false;
     }
     if (search->evaluations > 0 && search->evaluations < least) {

@@ -274,6 +274,11 @@ enum status journal_open(struct journal **result, const char *directory, enum jo
     return STATUS_OK;
 }
 
+bool journal_is_of_points(const struct journal *journal)
+{
+    return journal->schema < JOURNAL_SCHEMA_WORST;
+}
+
 void journal_close(struct journal *journal)
 {
     if (journal == NULL)
@@ -366,11 +371,13 @@ enum status journal_append(struct journal *journal, const struct journal_step *s
     return status;
 }
 
-static const char FINISH[] =
-    "UPDATE search SET finished = 1, status = ?2, log_volume = ?3, purity_samples = ?4,"
-    " purity_bad = ?5, purity_estimate = ?6, purity_lower95 = ?7, evaluations = ?8,"
-    " non_finite = ?9, steps = ?10, blocking_constraint = ?11, wall_ns = ?12, exact = ?13,"
-    " bounds = ?14, digest = ?15 WHERE number = ?1";
+#define FINISH_RESULT(more)                                                                 \
+    "UPDATE search SET finished = 1, status = ?2, log_volume = ?3, purity_samples = ?4,"    \
+    " purity_bad = ?5, purity_estimate = ?6, purity_lower95 = ?7, evaluations = ?8,"        \
+    " non_finite = ?9, steps = ?10, blocking_constraint = ?11, wall_ns = ?12, exact = ?13," \
+    " bounds = ?14, digest = ?15" more " WHERE number = ?1"
+static const char FINISH[] = FINISH_RESULT(", worst = ?16, holders = ?17, gains = ?18");
+static const char FINISH_OLD[] = FINISH_RESULT("");
 
 static void bind_result(sqlite3_stmt *statement, const struct journal_search *search)
 {
@@ -393,7 +400,8 @@ enum status journal_finish_search(struct journal *journal, const struct journal_
                                   struct error *error)
 {
     assert(journal->append != NULL); // opened to write
-    sqlite3_stmt *statement = journal_prepare(journal, FINISH, error);
+    const bool old = journal->schema < JOURNAL_SCHEMA_WORST;
+    sqlite3_stmt *statement = journal_prepare(journal, old ? FINISH_OLD : FINISH, error);
     if (statement == NULL)
         return STATUS_IO;
     GByteArray *exact = g_byte_array_new();
@@ -404,9 +412,22 @@ enum status journal_finish_search(struct journal *journal, const struct journal_
     bind_result(statement, search);
     journal_bind_blob(statement, 13, exact->data, exact->len);
     journal_bind_blob(statement, 14, journal->bounds->data, journal->bounds->len);
+    GByteArray *worst = g_byte_array_new();
+    pack_box(worst, &search->worst);
+    GByteArray *gains = g_byte_array_new();
+    if (search->holders != NULL)
+        journal_doubles_put(gains, search->gains, search->gain_count);
+    if (!old) {
+        const size_t sides = search->holders != NULL ? 2 * (size_t)search->box.count : 0;
+        journal_bind_blob(statement, 16, worst->data, worst->len);
+        journal_bind_blob(statement, 17, search->holders, sides);
+        journal_bind_blob(statement, 18, gains->data, gains->len);
+    }
     enum status status = journal_run_statement(journal, statement, "cannot write a result", error);
     sqlite3_finalize(statement);
     g_byte_array_unref(exact);
+    g_byte_array_unref(worst);
+    g_byte_array_unref(gains);
     if (status == STATUS_OK && sqlite3_changes(journal->database) != 1)
         status = journal_damaged(journal, "a search of this run is missing", error);
     return status;

@@ -26,9 +26,10 @@
 #include <stdint.h>
 
 enum {
-    JOURNAL_SCHEMA = 3,          // older files are read and continued as they are:
+    JOURNAL_SCHEMA = 4,          // older files are read and continued as they are:
     JOURNAL_SCHEMA_AXES = 2,     // from this one on a sweep has axes,
     JOURNAL_SCHEMA_SAMPLING = 3, // from this one on a step says how it was sampled
+    JOURNAL_SCHEMA_WORST = 4,    // from this one on a result has its worst design
     JOURNAL_AXIS_MAX = PROTOCOL_AXIS_MAX,
     JOURNAL_NAME_SIZE = 256, // [bytes] of a case's name with its NUL
 };
@@ -69,6 +70,11 @@ struct journal_search {
     char blocking_constraint[160]; // "" unless no good design was found
     int64_t wall_ns;
     struct digest digest;
+    struct box worst; // the worst design of the box that was found, lower equal to upper; owned;
+                      // count 0: none is known
+    uint8_t *holders; // (2 x variables) what holds each bound, and
+    double *gains;    // (constraints) what relaxing each is worth (search.h); owned, or both NULL
+    uint32_t gain_count;
 };
 
 struct journal_step {
@@ -113,6 +119,9 @@ enum status journal_create_from(struct journal **journal, const char *directory,
 // another coordinator is writing it).
 enum status journal_open(struct journal **journal, const char *directory, enum journal_mode mode,
                          struct error *error) MUST_USE;
+
+// Whether the run was written before searches could promise more than points.
+bool journal_is_of_points(const struct journal *journal);
 
 // Closes it. NULL is fine.
 void journal_close(struct journal *journal);

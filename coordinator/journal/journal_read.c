@@ -137,6 +137,24 @@ static bool scenario_from_row(sqlite3_stmt *row, struct journal_search *search)
            column_digest(row, 2, &search->scenario) && column_u64(row, 3, &search->seed);
 }
 
+// The worst design, and what holds the bounds; each may be empty.
+static bool findings_from_row(sqlite3_stmt *row, struct journal_search *search)
+{
+    if (!column_box(row, 16, &search->worst) ||
+        (search->worst.count > 0 && search->worst.count != search->box.count))
+        return false;
+    const size_t holders = (size_t)sqlite3_column_bytes(row, 17);
+    const size_t gains = (size_t)sqlite3_column_bytes(row, 18) / sizeof(double);
+    if (holders == 0)
+        return true;
+    if (holders != 2 * (size_t)search->box.count || gains == 0 || gains > UINT8_MAX)
+        return false;
+    search->holders = g_memdup2(sqlite3_column_blob(row, 17), holders);
+    search->gains = g_new(double, gains);
+    search->gain_count = (uint32_t)gains;
+    return column_doubles(row, 18, search->gains, gains);
+}
+
 static bool result_from_row(sqlite3_stmt *row, struct journal_search *search)
 {
     double exact[3];
@@ -147,6 +165,8 @@ static bool result_from_row(sqlite3_stmt *row, struct journal_search *search)
         !column_text(row, 11, search->blocking_constraint, sizeof search->blocking_constraint) ||
         !column_i64(row, 12, &search->wall_ns) || !column_doubles(row, 13, exact, 3) ||
         !column_box(row, 14, &search->box) || !column_digest(row, 15, &search->digest))
+        return false;
+    if (sqlite3_column_type(row, 16) != SQLITE_NULL && !findings_from_row(row, search))
         return false;
     search->log_volume = exact[0];
     search->purity_estimate = exact[1];
@@ -169,12 +189,13 @@ enum status journal_read_search(struct journal *journal, uint32_t index,
                                 struct journal_search *search, struct error *error)
 {
     *search = (struct journal_search){.index = index};
+#define READ_SEARCH(more)                                                                         \
+    "SELECT name, scenario, scenario_digest, seed, finished, status, purity_samples, purity_bad," \
+    " evaluations, non_finite, steps, blocking_constraint, wall_ns, exact, bounds, digest, " more \
+    " FROM search WHERE number = ?1"
+    const bool old = journal->schema < JOURNAL_SCHEMA_WORST;
     sqlite3_stmt *statement = journal_prepare(
-        journal,
-        "SELECT name, scenario, scenario_digest, seed, finished, status, purity_samples,"
-        " purity_bad, evaluations, non_finite, steps, blocking_constraint, wall_ns, exact, bounds,"
-        " digest FROM search WHERE number = ?1",
-        error);
+        journal, old ? READ_SEARCH("NULL") : READ_SEARCH("worst, holders, gains"), error);
     if (statement == NULL)
         return STATUS_IO;
     sqlite3_bind_int64(statement, 1, index);
@@ -197,6 +218,9 @@ void journal_search_fini(struct journal_search *search)
 {
     g_free(search->text);
     box_fini(&search->box);
+    box_fini(&search->worst);
+    g_free(search->holders);
+    g_free(search->gains);
     *search = (struct journal_search){0};
 }
 

@@ -8,6 +8,7 @@
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
 #include "coordinator/report/warnings.h"
+#include "coordinator/report/worst.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -271,11 +272,11 @@ static json_t *json_kinds(const struct run_data_search *search)
         json_object_set(kinds, protocol_kind_name(DESIGN_KIND_POINTS), points);
     json_decref(points);
     for (int kind = DESIGN_KIND_POINTS + 1; kind < DESIGN_KIND_COUNT; kind++) {
-        const uint32_t samples = search->kinds[kind].samples;
-        const uint32_t bad = search->kinds[kind].bad;
+        const uint64_t samples = search->kinds[kind].samples;
+        const uint64_t bad = search->kinds[kind].bad;
         if (samples > 0)
             json_object_set_new(kinds, protocol_kind_name((enum design_kind)kind),
-                                json_look(samples, bad, (double)(samples - bad) / samples,
+                                json_look(samples, bad, (double)(samples - bad) / (double)samples,
                                           search->kinds[kind].lower95));
     }
     return kinds;
@@ -314,7 +315,10 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
     json_object_set_new(object, "warnings", json_warnings(search));
+    json_object_set_new(object, "promise",
+                        json_string(protocol_promise_name(search->scenario.search.promise)));
     json_object_set_new(object, "kinds", json_kinds(search));
+    json_object_set_new(object, "worst", worst_json(search));
     json_object_set_new(object, "reach", json_reach(search));
     json_object_set_new(object, "constraints", holding_json_constraints(search));
     if (record->blocking_constraint[0] != '\0') {
@@ -354,12 +358,18 @@ static void json_begin(FILE *out, const struct run_data *data)
 // ---- All of them ----
 
 // In the order in which they are put in their places: where result.json is, the others are.
-enum export { EXPORT_CORRIDORS, EXPORT_HISTORY, EXPORT_SUMMARY, EXPORT_JSON, EXPORT_COUNT };
+enum export {
+    EXPORT_CORRIDORS,
+    EXPORT_HISTORY,
+    EXPORT_SUMMARY,
+    EXPORT_WORST,
+    EXPORT_JSON,
+    EXPORT_COUNT
+};
 
 static const char *const export_names[EXPORT_COUNT] = {
-    [EXPORT_CORRIDORS] = "corridors.csv",
-    [EXPORT_HISTORY] = "history.csv",
-    [EXPORT_SUMMARY] = "summary.csv",
+    [EXPORT_CORRIDORS] = "corridors.csv", [EXPORT_HISTORY] = "history.csv",
+    [EXPORT_SUMMARY] = "summary.csv",     [EXPORT_WORST] = "worst.csv",
     [EXPORT_JSON] = "result.json",
 };
 
@@ -377,6 +387,8 @@ static void put_search(struct exports *exports, uint32_t index,
     json_put(json, json_search(exports->data, search), "    ");
     corridor_rows(exports->files[EXPORT_CORRIDORS].file, index, search);
     history_rows(exports->files[EXPORT_HISTORY].file, index, search);
+    if (exports->files[EXPORT_WORST].file != NULL)
+        worst_write(search, exports->files[EXPORT_WORST].file);
     if (summary == NULL)
         return;
     if (index == 0) {
@@ -391,6 +403,9 @@ static enum status exports_begin(struct exports *exports, struct error *error)
     enum status status = STATUS_OK;
     for (int i = 0; i < EXPORT_COUNT && status == STATUS_OK; i++) {
         if (i == EXPORT_SUMMARY && !run_data_is_sweep(exports->data))
+            continue;
+        // The cases of a sweep have theirs in result.json.
+        if (i == EXPORT_WORST && run_data_is_sweep(exports->data))
             continue;
         char *path = g_build_filename(exports->data->directory, export_names[i], NULL);
         status = whole_file_begin(&exports->files[i], path, error);

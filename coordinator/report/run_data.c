@@ -1,6 +1,5 @@
 #include "coordinator/report/run_data.h"
 
-#include "common/numeric/statistics.h"
 #include "common/sampling/sampling.h"
 #include "common/scenario/scenario_read.h"
 #include "coordinator/search/search.h"
@@ -34,7 +33,7 @@ uint32_t run_data_variable(const struct run_data_search *search, uint32_t spring
 static enum status take_verdicts(struct run_data_search *search, const struct journal_step *step,
                                  struct error *error)
 {
-    if (step->detail != VERDICT_DETAIL_FULL)
+    if (step->detail == VERDICT_DETAIL_SHARE)
         return STATUS_OK;
     search->judged += step->samples;
     for (uint32_t i = 0; i < step->samples; i++) {
@@ -72,7 +71,10 @@ static void take_certificate(struct run_data_search *search, const struct journa
 static void begin_explanation(struct run_data_search *search, const struct box *corridors)
 {
     explain_init(&search->explain, &search->scenario, corridors);
-    if (search->certificate != NULL)
+    const struct journal_search *record = &search->record;
+    if (record->holders != NULL && record->gain_count == search->scenario.constraint_count)
+        explain_take_known(&search->explain, record->holders, record->gains);
+    else if (search->certificate != NULL)
         explain_take_inside(&search->explain, search->certificate, search->certificate_samples);
 }
 
@@ -101,10 +103,12 @@ static bool take_kind(struct run_data_search *search, const struct journal_step 
     for (int kind = 0; kind < DESIGN_KIND_COUNT; kind++) {
         if (protocol_kind_method((enum design_kind)kind) != step->sampling)
             continue;
-        search->kinds[kind].samples = step->samples;
-        search->kinds[kind].bad = step->samples - step->good;
-        search->kinds[kind].lower95 =
-            statistics_share_lower(step->samples, step->samples - step->good, 0.95);
+        // A kind that decides may have been looked at before, at a box that did not pass.
+        struct certificate *certificate = &search->kinds[kind];
+        if (search->scenario.search.promise == PROMISE_POINTS)
+            certificate_look_once(certificate, step->samples, step->samples - step->good);
+        else if (certificate->looks < CERTIFICATE_LOOKS)
+            certificate_look(certificate, step->samples, step->samples - step->good);
     }
     return true;
 }
@@ -139,8 +143,10 @@ static enum status take_step(void *user, const struct journal_step *step, struct
         return take_outside(search, step, error);
     if (take_kind(search, step))
         return STATUS_OK;
-    take_space(search, step);
-    if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_CERTIFY)) == 0)
+    const bool attack = step->sampling_known && step->sampling == SAMPLING_METHOD_MOVES;
+    if (!attack)
+        take_space(search, step);
+    if (strcmp(step->phase, protocol_phase_name(SEARCH_PHASE_CERTIFY)) == 0 && !attack)
         take_certificate(search, step);
     if (search->last_box.count == 0)
         box_init(&search->last_box, step->box->count);
@@ -218,6 +224,9 @@ static enum status load(const struct run_data *data, uint32_t index, struct run_
         return error_set(error, STATUS_IO, "it has not a value for each axis");
     status = scenario_read_text(&search->scenario, "scenario", search->record.text,
                                 search->record.text_size, NULL, 0, error);
+    // Its text says no promise, and the default was another one then.
+    if (status == STATUS_OK && journal_is_of_points(journal))
+        search->scenario.search.promise = PROMISE_POINTS;
     if (status == STATUS_OK)
         status = journal_read_steps(journal, index, take_step, search, error);
     if (status == STATUS_OK)

@@ -6,6 +6,7 @@
 #include "common/scenario/scenario.h"
 #include "coordinator/journal/journal.h"
 #include "coordinator/report/reach.h"
+#include "coordinator/search/certificate.h"
 #include "coordinator/search/explain.h"
 
 #include <glib.h>
@@ -57,10 +58,7 @@ struct run_data_search {
     struct box last_box; // the search's own, sampled last; count 0 before the first step
 
     // What fresh designs of each kind but points showed of the corridors; no samples before.
-    struct {
-        uint32_t samples, bad;
-        double lower95;
-    } kinds[DESIGN_KIND_COUNT];
+    struct certificate kinds[DESIGN_KIND_COUNT];
 
     // Of the last certificate, until it is known whether an explanation follows.
     struct verdict *certificate; // (certificate_samples) NULL without details

@@ -5,6 +5,7 @@
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
 #include "coordinator/report/warnings.h"
+#include "coordinator/report/worst.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -182,8 +183,8 @@ struct status_meaning {
 };
 
 static const struct status_meaning STATUS_MEANINGS[] = {
-    {"done", "done: the corridors reach the purity that was asked for"},
-    {"purity_missed", "corridors found, but their purity stays below what was asked for"},
+    {"done", "done: the corridors keep what was asked for"},
+    {"purity_missed", "corridors found, but they do not keep what was asked for"},
     {"no_good_design", "no good design found"},
     {"running", "running, or stopped without notice: the corridors are not final"},
     {"interrupted", "interrupted, can be resumed: the corridors are not final"},
@@ -228,6 +229,23 @@ static void print_kind(enum design_kind kind, double estimate, double lower95, F
             floor(lower95 * 1e4) * 1e-4, meaning[kind]); // a bound is not rounded up
 }
 
+// What the corridors promise, and what they do not.
+static void print_promise(const struct run_data_search *search, FILE *out)
+{
+    static const char *const meaning[] = {
+        [PROMISE_POINTS] = "the wanted share of independent forces is good; whole curves are\n"
+                           "             not promised",
+        [PROMISE_CURVES] = "the wanted share of each kind below is good; single bad designs are\n"
+                           "             not excluded",
+        [PROMISE_EVERY] = "the wanted share of each kind below is good, and an adversarial\n"
+                          "             search with fresh starts found no bad design",
+    };
+    const bool kept = strcmp(search->status, "done") == 0;
+    const enum promise promise = search->scenario.search.promise;
+    if (kept && search->scenario.curves.count < search->scenario.curves.variables)
+        fprintf(out, "promise      %s: %s\n", protocol_promise_name(promise), meaning[promise]);
+}
+
 static void print_purity(const struct run_data_search *search, FILE *out)
 {
     const struct journal_search *record = &search->record;
@@ -240,9 +258,10 @@ static void print_purity(const struct run_data_search *search, FILE *out)
             number_count(record->purity_samples, samples));
     print_kind(DESIGN_KIND_POINTS, record->purity_estimate, record->purity_lower95, out);
     for (int kind = DESIGN_KIND_POINTS + 1; kind < DESIGN_KIND_COUNT; kind++) {
-        const uint32_t count = search->kinds[kind].samples;
+        const uint64_t count = search->kinds[kind].samples;
         if (count > 0)
-            print_kind((enum design_kind)kind, (double)(count - search->kinds[kind].bad) / count,
+            print_kind((enum design_kind)kind,
+                       (double)(count - search->kinds[kind].bad) / (double)count,
                        search->kinds[kind].lower95, out);
     }
 }
@@ -299,7 +318,9 @@ static void print_search(const struct run_data_search *search, const struct repo
         print_obstacle(search, normalise, out);
         holding_print_least(search, normalise, out);
     } else {
+        print_promise(search, out);
         print_purity(search, out);
+        worst_print(search, normalise, out);
         if (search->box != NULL)
             fprintf(out, "log-volume   %.3f (0 is the whole design space)\n", search->log_volume);
         print_turned(search, out);

@@ -458,6 +458,15 @@ static enum status write_result(struct run *run, struct run_search *search, int6
         .wall_ns = before_ns + now_ns - search->started_ns,
         .digest = result.digest,
     };
+    if (result.holders != NULL) {
+        record.holders = (uint8_t *)result.holders; // borrowed for the call
+        record.gains = (double *)result.gains;
+        record.gain_count = search->scenario.constraint_count;
+    }
+    if (result.worst != NULL)
+        record.worst = (struct box){.count = result.box->count,
+                                    .lower = (double *)result.worst, // borrowed as well
+                                    .upper = (double *)result.worst};
     g_strlcpy(record.status, protocol_status_name(result.status), sizeof record.status);
     if (result.status == SEARCH_STATUS_NO_GOOD_DESIGN) {
         uint32_t blocking = result.blocking_constraint;

@@ -13,10 +13,10 @@
 #include <string.h>
 
 enum {
-    ADVERSARY_SAMPLES = 1200, // of a step, about: what two cores do in less than a millisecond
-    ADVERSARY_MOST = 24,      // attacks, at most and
-    ADVERSARY_LEAST = 10,     // at least
-    ADVERSARY_OWN = 3,        // attacks that each constraint keeps, however mild
+    ADVERSARY_TIMES = 6,  // as many samples of a step as other steps have, about
+    ADVERSARY_MOST = 256, // attacks, at most and
+    ADVERSARY_LEAST = 10, // at least
+    ADVERSARY_OWN = 3,    // attacks that each constraint keeps, however mild
 };
 
 // Counters of random numbers for scouts, apart from those of moves and samples.
@@ -26,23 +26,31 @@ static const double adversary_gain = 1e-6;       // by which a neighbour has to 
 static const double adversary_idle = 1e-9;       // below which a variable changes nothing
 static const double adversary_margin_most = 1e3; // so that sums stay finite
 
+uint32_t adversary_attacks(uint32_t samples, uint32_t per_attack)
+{
+    const uint64_t wanted = ADVERSARY_TIMES * (uint64_t)samples / per_attack;
+    return wanted < ADVERSARY_LEAST  ? ADVERSARY_LEAST
+           : wanted > ADVERSARY_MOST ? ADVERSARY_MOST
+                                     : (uint32_t)wanted;
+}
+
 void adversary_init(struct adversary *adversary, const struct frame *frame,
-                    const struct curve_map *curves, uint32_t constraints, uint64_t seed)
+                    const struct curve_map *curves, uint32_t constraints, uint32_t samples,
+                    uint64_t seed)
 {
     struct box whole;
     box_init(&whole, frame->all.count);
     frame_widen(frame, &frame->space, &whole);
     const uint32_t per_attack = moves_count(curves, &whole);
     box_fini(&whole);
-    uint32_t most = ADVERSARY_SAMPLES / per_attack;
-    most = most < ADVERSARY_LEAST ? ADVERSARY_LEAST : most > ADVERSARY_MOST ? ADVERSARY_MOST : most;
+    const uint32_t most = adversary_attacks(samples, per_attack);
     *adversary = (struct adversary){
         .frame = frame,
         .curves = curves,
         .constraints = constraints,
         .seed = seed,
         .most = most,
-        .scouts = ADVERSARY_SCOUTS,
+        .scouts = most / ADVERSARY_SCOUT_SHARE,
         .room = 3 * most + 64,
         .moves = {.variables = frame->all.count},
     };

@@ -21,7 +21,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { ADVERSARY_SCOUTS = 3 }; // while a box is sought
+enum { ADVERSARY_SCOUT_SHARE = 6 }; // one attack of so many is a scout while a box is sought
 
 struct attack {
     uint8_t *levels; // (free variables) 0 .. MOVES_LEVEL_MAX
@@ -55,10 +55,14 @@ struct attack_view {
     bool limits;          // whether nearby boxes are limited by it: it is at a corner, or at rest
 };
 
+// How many attacks a step has that is about as long as several other steps of `samples`.
+uint32_t adversary_attacks(uint32_t samples, uint32_t per_attack);
+
 // Makes an adversary without attacks. `curves` and `frame` are borrowed. The caller releases it
 // with adversary_fini().
 void adversary_init(struct adversary *adversary, const struct frame *frame,
-                    const struct curve_map *curves, uint32_t constraints, uint64_t seed);
+                    const struct curve_map *curves, uint32_t constraints, uint32_t samples,
+                    uint64_t seed);
 
 // Releases an adversary. A zeroed struct is fine.
 void adversary_fini(struct adversary *adversary);

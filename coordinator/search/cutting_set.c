@@ -33,6 +33,7 @@ static const double cutting_set_price_factor = 3;      // over what a limit is w
 static const double cutting_set_mend_tolerance = 1e-3; // after a first bad design, and
 static const double cutting_set_mend_rise = 1.5;       // times that after each other one
 static const double cutting_set_mend_reach = 0.05;
+static const double cutting_set_held = 0.02;  // of what a side's place is worth: less is no hold
 static const double cutting_set_touch = 1e-3; // of its width from an edge: a side is put on it
 
 struct cut {
@@ -91,9 +92,21 @@ static double log_volume(const struct cutting_set *set, const double *sides)
     return sum;
 }
 
+void cutting_set_around(const struct box *space, const double *design, struct box *box)
+{
+    for (uint32_t v = 0; v < space->count; v++) {
+        const double width = cutting_set_start_width * (space->upper[v] - space->lower[v]);
+        double lower = design[v] - width / 2;
+        lower = lower > space->upper[v] - width ? space->upper[v] - width : lower;
+        box->lower[v] = lower < space->lower[v] ? space->lower[v] : lower;
+        box->upper[v] = box->lower[v] + width;
+    }
+}
+
 void cutting_set_init(struct cutting_set *set, const struct frame *frame,
                       const struct demands *demands, const struct curve_map *curves,
-                      uint32_t constraints, uint64_t seed, const double *start)
+                      uint32_t constraints, uint32_t samples, uint64_t seed,
+                      const struct box *start)
 {
     *set = (struct cutting_set){
         .frame = frame,
@@ -110,24 +123,13 @@ void cutting_set_init(struct cutting_set *set, const struct frame *frame,
     set->cuts = g_new0(struct cut, CUTTING_SET_CUTS);
     box_init(&set->box, frame->all.count);
     for (uint32_t v = 0; v < frame->space.count; v++) {
-        if (start == NULL) {
-            interval(set->centre, v)[1] = 1;
-            continue;
-        }
         const double width = frame->space.upper[v] - frame->space.lower[v];
-        const double at = (start[v] - frame->space.lower[v]) / width;
-        double *sides = interval(set->centre, v);
-        sides[0] = at - cutting_set_start_width / 2;
-        sides[0] = sides[0] < 0 ? 0 : sides[0];
-        sides[1] = sides[0] + cutting_set_start_width;
-        if (sides[1] > 1) {
-            sides[1] = 1;
-            sides[0] = 1 - cutting_set_start_width;
-        }
+        interval(set->centre, v)[0] = (start->lower[v] - frame->space.lower[v]) / width;
+        interval(set->centre, v)[1] = (start->upper[v] - frame->space.lower[v]) / width;
     }
     memcpy(set->trial, set->centre, set->sides * sizeof *set->trial);
-    lay_out(set, set->trial, &set->box);
-    adversary_init(&set->adversary, frame, curves, constraints, seed);
+    frame_widen(frame, start, &set->box); // to the bit, whatever units do to it
+    adversary_init(&set->adversary, frame, curves, constraints, samples, seed);
     adversary_begin(&set->adversary);
 }
 
@@ -329,24 +331,32 @@ static void touch_edges(const struct cutting_set *set, double *sides)
     }
 }
 
-static void make_trial(struct cutting_set *set)
+// The tightest limits, at most CUTTING_SET_USED; returns how many.
+static uint32_t tightest(const struct cutting_set *set, const struct cut **used)
+{
+    const struct cut *all[CUTTING_SET_CUTS];
+    for (uint32_t i = 0; i < set->cut_count; i++)
+        all[i] = &set->cuts[i];
+    qsort(all, set->cut_count, sizeof *all, compare_cuts);
+    const uint32_t count = set->cut_count < CUTTING_SET_USED ? set->cut_count : CUTTING_SET_USED;
+    memcpy(used, all, count * sizeof *used);
+    return count;
+}
+
+// The widest box near the centre under some limits.
+static void widen(const struct cutting_set *set, const struct cut *const *used, uint32_t count,
+                  double tolerance, struct widest_answer *answer)
 {
     g_autofree double *least = g_new(double, set->sides + 1);
     g_autofree double *most = g_new(double, set->sides + 1);
-    ranges(set, least, most);
-    const struct cut *used[CUTTING_SET_CUTS];
-    for (uint32_t i = 0; i < set->cut_count; i++)
-        used[i] = &set->cuts[i];
-    qsort(used, set->cut_count, sizeof *used, compare_cuts);
-    const uint32_t count = set->cut_count < CUTTING_SET_USED ? set->cut_count : CUTTING_SET_USED;
     const double *limit[CUTTING_SET_USED];
     double constant[CUTTING_SET_USED];
+    ranges(set, least, most);
     for (uint32_t i = 0; i < count; i++) {
         limit[i] = used[i]->slopes;
         constant[i] = used[i]->constant;
     }
-    memcpy(set->trial, set->centre, set->sides * sizeof *set->trial);
-    struct widest_answer answer = {.sides = set->trial};
+    memcpy(answer->sides, set->centre, set->sides * sizeof *answer->sides);
     widest(&(struct widest_problem){.variables = set->sides / 2,
                                     .weights = set->demands->weights,
                                     .least = least,
@@ -354,9 +364,17 @@ static void make_trial(struct cutting_set *set)
                                     .limit_count = count,
                                     .limit = limit,
                                     .constant = constant,
-                                    .tolerance = set->tolerance,
+                                    .tolerance = tolerance,
                                     .price = set->price},
-           &answer);
+           answer);
+}
+
+static void make_trial(struct cutting_set *set)
+{
+    const struct cut *used[CUTTING_SET_USED];
+    const uint32_t count = tightest(set, used);
+    struct widest_answer answer = {.sides = set->trial};
+    widen(set, used, count, set->tolerance, &answer);
     set->shadow = answer.shadow;
     const double price = cutting_set_price_factor * answer.shadow;
     set->price = price > 0.9 * set->price ? price : 0.9 * set->price;
@@ -414,6 +432,8 @@ void cutting_set_stand(struct cutting_set *set)
 {
     set->standing = true;
     set->adversary.scouts = set->adversary.most / 2;
+    if (memcmp(set->trial, set->centre, set->sides * sizeof *set->trial) == 0)
+        return;
     memcpy(set->trial, set->centre, set->sides * sizeof *set->trial);
     lay_out(set, set->trial, &set->box);
 }
@@ -421,9 +441,34 @@ void cutting_set_stand(struct cutting_set *set)
 void cutting_set_mend(struct cutting_set *set)
 {
     set->standing = false;
-    set->adversary.scouts = ADVERSARY_SCOUTS;
+    set->adversary.scouts = set->adversary.most / ADVERSARY_SCOUT_SHARE;
     set->tolerance = fmax(cutting_set_mend_tolerance, cutting_set_mend_rise * set->mended);
     set->mended = set->tolerance;
     set->reach = fmax(set->reach, cutting_set_mend_reach);
     make_trial(set);
+}
+
+void cutting_set_holders(const struct cutting_set *set, uint8_t *holders, double *worth)
+{
+    const struct cut *used[CUTTING_SET_USED];
+    double prices[CUTTING_SET_USED];
+    const uint32_t count = tightest(set, used);
+    g_autofree double *sides = g_new(double, set->sides + 1);
+    widen(set, used, count, set->tolerance,
+          &(struct widest_answer){.sides = sides, .prices = prices});
+    for (uint32_t i = 0; i < count; i++)
+        worth[used[i]->target] += prices[i];
+    for (uint32_t side = 0; side < set->sides; side++) {
+        double highest = cutting_set_held / (sides[side | 1] - sides[side & ~1u]);
+        holders[side] = CUTTING_SET_NOTHING;
+        for (uint32_t i = 0; i < count; i++) {
+            // An upper bound is held by what falls as it rises, a lower one by what falls with it.
+            const double slope = used[i]->slopes[side];
+            const double pull = prices[i] * (side % 2 == 1 ? -slope : slope);
+            if (pull > highest) {
+                highest = pull;
+                holders[side] = used[i]->target;
+            }
+        }
+    }
 }

@@ -21,6 +21,8 @@
 
 struct cut; // a limit, inside cutting_set.c
 
+enum { CUTTING_SET_NOTHING = 255 }; // holds a side
+
 struct cutting_set {
     const struct frame *frame;     // borrowed
     const struct demands *demands; // borrowed
@@ -45,11 +47,15 @@ struct cutting_set {
     struct box box; // all variables: the trial
 };
 
-// Starts around `start` (free variables), a design that is good or nearly so. What is pointed at is
-// borrowed. The caller releases it with cutting_set_fini().
+// Starts with the box `start` (free variables), which need not be good. What is pointed at is
+// borrowed, `start` until return. The caller releases it with cutting_set_fini().
 void cutting_set_init(struct cutting_set *set, const struct frame *frame,
                       const struct demands *demands, const struct curve_map *curves,
-                      uint32_t constraints, uint64_t seed, const double *start);
+                      uint32_t constraints, uint32_t samples, uint64_t seed,
+                      const struct box *start);
+
+// A small box around a design (free variables), inside the design space.
+void cutting_set_around(const struct box *space, const double *design, struct box *box);
 
 // Releases it. A zeroed struct is fine.
 void cutting_set_fini(struct cutting_set *set);
@@ -75,6 +81,11 @@ void cutting_set_mend(struct cutting_set *set);
 
 // By how much a box is better than another: log-volume, less what its worst known design lacks.
 double cutting_set_merit(const struct cutting_set *set);
+
+// What holds the sides of the centre: for each side (2 x free variables) the constraint that it
+// gives way to at the highest price, or CUTTING_SET_NOTHING; and for each constraint the log-volume
+// that one of its margin is worth.
+void cutting_set_holders(const struct cutting_set *set, uint8_t *holders, double *worth);
 
 // The centre in the design space's own units (free variables).
 void cutting_set_centre(const struct cutting_set *set, struct box *box);

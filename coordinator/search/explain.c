@@ -314,8 +314,28 @@ static void find_holder(const struct explain *explain, uint32_t index)
         bound->holder = EXPLAIN_CONSTRAINT;
 }
 
+void explain_take_known(struct explain *explain, const uint8_t *holders, const double *gains)
+{
+    const uint32_t constraints = explain->scenario->constraint_count;
+    for (uint32_t i = 0; i < 2 * explain->box.count; i++) {
+        struct explain_bound *bound = &explain->bounds[i];
+        if (bound->holder != EXPLAIN_UNKNOWN)
+            continue;
+        bound->holder = holders[i] < constraints ? EXPLAIN_CONSTRAINT : EXPLAIN_NOTHING;
+        bound->constraint = holders[i] < constraints ? holders[i] : 0;
+    }
+    for (uint32_t c = 0; c < constraints; c++)
+        explain->gains[c] = (struct explain_gain){.amount = gain_relaxation *
+                                                            explain->scenario->constraints[c].scale,
+                                                  .log_volume = gains[c]};
+    explain->taken = explain->step_count;
+    explain->known = true;
+}
+
 void explain_conclude(struct explain *explain)
 {
+    if (explain->known)
+        return;
     for (uint32_t c = 0; c < explain->scenario->constraint_count; c++)
         explain->gains[c] = gain_of(explain, c);
     share_samples(explain);

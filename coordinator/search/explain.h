@@ -80,6 +80,7 @@ struct explain {
     uint32_t *steps;                 // (step_count) indexes of the bounds that are sampled
     uint32_t step_count;
     uint32_t taken;          // of the steps
+    bool known;              // without samples: explain_take_known()
     struct box slab;         // of the step asked for last
     struct explain_bad *bad; // (bad_count) of all slabs
     uint64_t bad_count;
@@ -122,6 +123,11 @@ bool explain_take(struct explain *explain, const struct sampling *sampling, cons
 
 // Takes verdicts, in full detail, on independent samples of the box itself: the certificate's.
 void explain_take_inside(struct explain *explain, const struct verdict *verdicts, uint32_t samples);
+
+// Takes what a search for a box of good designs knows without samples: the constraint that holds
+// each bound (2 x variables), or one that the scenario does not have, and the log-volume that
+// relaxing each constraint by 1 % is worth (constraints).
+void explain_take_known(struct explain *explain, const uint8_t *holders, const double *gains);
 
 // Says from all samples taken what holds each bound, and what each constraint is worth.
 void explain_conclude(struct explain *explain);

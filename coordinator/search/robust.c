@@ -18,21 +18,36 @@ static void begin_round(struct robust *robust)
 }
 
 void robust_init(struct robust *robust, const struct frame *frame, const struct demands *demands,
-                 const struct curve_map *curves, uint32_t constraints, uint64_t seed,
-                 const struct cloud *starts, uint32_t steps)
+                 const struct curve_map *curves, uint32_t constraints, uint32_t samples,
+                 uint64_t seed, const struct cloud *starts, uint32_t steps)
 {
-    const uint32_t variables = frame->space.count;
-    *robust =
-        (struct robust){.count = starts->count + 1, .left = starts->count + 1, .steps = steps};
-    robust->sets = g_new0(struct cutting_set, robust->count);
-    g_autofree double *start = g_new(double, variables + 1);
-    for (uint32_t i = 0; i < robust->count; i++) {
+    const uint32_t variables = frame->space.count, count = starts->count + 1;
+    // With one start there is nothing to choose from.
+    *robust = (struct robust){
+        .count = count, .left = count, .steps = steps, .round = count > 1 ? 0 : ROBUST_ROUNDS - 1};
+    robust->sets = g_new0(struct cutting_set, count);
+    g_autofree double *design = g_new(double, variables + 1);
+    struct box box;
+    box_init(&box, variables);
+    for (uint32_t i = 0; i < count; i++) {
         for (uint32_t v = 0; v < variables && i < starts->count; v++)
-            start[v] = cloud_column(starts, v)[i];
-        cutting_set_init(&robust->sets[i], frame, demands, curves, constraints, seed + i,
-                         i < starts->count ? start : NULL);
+            design[v] = cloud_column(starts, v)[i];
+        if (i < starts->count)
+            cutting_set_around(&frame->space, design, &box);
+        cutting_set_init(&robust->sets[i], frame, demands, curves, constraints, samples, seed + i,
+                         i < starts->count ? &box : &frame->space);
     }
+    box_fini(&box);
     begin_round(robust);
+}
+
+void robust_init_one(struct robust *robust, const struct frame *frame,
+                     const struct demands *demands, const struct curve_map *curves,
+                     uint32_t constraints, uint32_t samples, uint64_t seed, const struct box *box)
+{
+    *robust = (struct robust){.count = 1, .left = 1, .round = ROBUST_ROUNDS - 1};
+    robust->sets = g_new0(struct cutting_set, 1);
+    cutting_set_init(&robust->sets[0], frame, demands, curves, constraints, samples, seed, box);
 }
 
 void robust_fini(struct robust *robust)

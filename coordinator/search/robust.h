@@ -26,11 +26,17 @@ struct robust {
     struct adversary_report report; // of the last step
 };
 
-// Starts from `starts` (one or more designs of the free variables), with `steps` in all (at least
-// one a start). What is pointed at is borrowed. The caller releases it with robust_fini().
+// Starts around each of `starts` (designs of the free variables) and with the whole design space,
+// with `steps` in all (at least one a start). What is pointed at is borrowed. The caller releases
+// it with robust_fini().
 void robust_init(struct robust *robust, const struct frame *frame, const struct demands *demands,
-                 const struct curve_map *curves, uint32_t constraints, uint64_t seed,
-                 const struct cloud *starts, uint32_t steps);
+                 const struct curve_map *curves, uint32_t constraints, uint32_t samples,
+                 uint64_t seed, const struct cloud *starts, uint32_t steps);
+
+// The same with one set alone that starts with `box`, and no steps: what there is, is attacked.
+void robust_init_one(struct robust *robust, const struct frame *frame,
+                     const struct demands *demands, const struct curve_map *curves,
+                     uint32_t constraints, uint32_t samples, uint64_t seed, const struct box *box);
 
 // Releases it. A zeroed struct is fine.
 void robust_fini(struct robust *robust);

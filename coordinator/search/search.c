@@ -170,19 +170,33 @@ static void finish(struct search *search, enum search_status status)
                                        .status = status};
 }
 
-// There is a box, and it is final: what is left to do is to say what holds it.
-void search_finish_box(struct search *search, enum search_status status)
+void search_begin_explain(struct search *search, enum search_status status)
 {
-    finish(search, status);
-    if (search->scenario->search.explain_samples == 0)
+    search->phase = SEARCH_PHASE_DONE;
+    search->status = status;
+    // Where every design is good, the limits of the box have said already what holds it.
+    if (search->scenario->search.explain_samples == 0 || search->every.holders != NULL)
         return;
     frame_widen(&search->frame, standing(search), &search->result);
     explain_init(&search->explain, search->scenario, &search->result);
-    search->explain_samples =
-        explain_samples(&search->scenario->search, search->explain.step_count, search->evaluations);
+    search->explain_samples = explain_samples(&search->scenario->search, search->explain.step_count,
+                                              search->counted.evaluations);
     if (search->explain_samples == 0)
         return;
     search->phase = SEARCH_PHASE_EXPLAIN;
+    search->status = SEARCH_STATUS_RUNNING;
+}
+
+// A budget that was given leaves nothing for an attack.
+void search_finish_box(struct search *search, enum search_status status)
+{
+    finish(search, status);
+    const bool attacked = search->every.box.count > 0;
+    if (attacked || search->scenario->search.evaluations > 0) {
+        search_begin_explain(search, status);
+        return;
+    }
+    search_every_look(search, standing(search), status);
     search->status = SEARCH_STATUS_RUNNING;
 }
 
@@ -288,6 +302,15 @@ static bool all_good(const struct search *search)
 // Sampled the whole design space and found it good: there is nothing to search for.
 static void take_whole_space(struct search *search)
 {
+    if (search->scenario->search.promise == PROMISE_EVERY) {
+        // Not for an adversary, perhaps: the design space is where it begins.
+        struct cloud none;
+        cloud_init(&none, search->frame.space.count);
+        search_every_start(search, &none,
+                           search->plan.exploration_steps + search->plan.consolidation_steps);
+        cloud_fini(&none);
+        return;
+    }
     award(search, &search->frame.space);
     start_certify(search);
 }

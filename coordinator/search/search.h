@@ -67,6 +67,12 @@ struct search_result {
     struct search_purity purity;                   // of the samples that decide: points
     struct search_purity kinds[DESIGN_KIND_COUNT]; // of each kind of designs, points among them; no
                                                    // samples where it was not looked at
+    const double *worst;    // (variables) the worst design of the box that was found, or NULL;
+                            // borrowed for the life of the search
+    const uint8_t *holders; // (2 x variables) the constraint that holds each bound or 255, and
+    const double *gains; // (constraints) what 1 % of each is worth in log-volume: where a promise
+                         // of every design tells it, else NULL; borrowed likewise
+    double margin;       // by which it is inside its nearest constraint, in that one's own scale
     uint64_t evaluations;
     uint64_t non_finite; // samples with a non-finite outcome
     uint32_t steps;

@@ -18,8 +18,11 @@ enum {
     EVERY_ATTACK_STEPS = 24, // on a box before it is certified
     EVERY_MEND_STEPS = 12,
     EVERY_MENDS = 12,        // at most
+    EVERY_TAKEN = 3,         // bad samples of a certificate that become attacks
     EVERY_STEPS_A_START = 8, // at least
 };
+
+static const double every_relaxation = 0.01; // of a constraint's scale, as in gain.h
 
 // ---- asking
 
@@ -70,12 +73,39 @@ static void begin(struct search *search, const struct cloud *starts, uint32_t st
     box_init(&every->box, search->frame.space.count);
     box_init(&every->worst, search->frame.all.count);
     robust_init(&every->robust, &search->frame, &search->demands, &search->scenario->curves,
-                search->scenario->constraint_count, search->seed, starts, steps);
+                search->scenario->constraint_count, search->scenario->search.samples, search->seed,
+                starts, steps);
     cutting_set_centre(set_of(search), &every->box);
+}
+
+// Samples of an adversarial step.
+static uint64_t step_cost(const struct search *search)
+{
+    struct box whole;
+    box_init(&whole, search->frame.all.count);
+    frame_widen(&search->frame, &search->frame.space, &whole);
+    const uint32_t per_attack = moves_count(&search->scenario->curves, &whole);
+    box_fini(&whole);
+    return (uint64_t)adversary_attacks(search->scenario->search.samples, per_attack) * per_attack;
+}
+
+// Steps that a budget leaves beside one attack of the final box and its certificates.
+static uint64_t affordable(const struct search *search)
+{
+    const struct scenario_search *settings = &search->scenario->search;
+    const uint64_t cost = step_cost(search);
+    const uint64_t reserve =
+        DESIGN_KIND_COUNT * (uint64_t)settings->certificate_samples + EVERY_ATTACK_STEPS * cost;
+    const uint64_t spent = search->evaluations + reserve;
+    if (settings->evaluations == 0)
+        return UINT64_MAX;
+    return spent < settings->evaluations ? (settings->evaluations - spent) / cost : 0;
 }
 
 void search_every_start(struct search *search, const struct cloud *starts, uint32_t steps)
 {
+    const uint64_t most_steps = affordable(search);
+    steps = most_steps < steps ? (uint32_t)most_steps : steps;
     struct cloud few = *starts;
     const uint32_t most = steps / EVERY_STEPS_A_START > 1 ? steps / EVERY_STEPS_A_START : 1;
     few.count = few.count < most ? few.count : most;
@@ -83,8 +113,40 @@ void search_every_start(struct search *search, const struct cloud *starts, uint3
     enter(search, EVERY_GROW, SEARCH_PHASE_EXPLORE);
 }
 
+void search_every_look(struct search *search, const struct box *box, enum search_status status)
+{
+    struct search_every *every = &search->every;
+    box_init(&every->box, search->frame.space.count);
+    box_init(&every->worst, search->frame.all.count);
+    box_assign(&every->box, box);
+    robust_init_one(&every->robust, &search->frame, &search->demands, &search->scenario->curves,
+                    search->scenario->constraint_count, search->scenario->search.samples,
+                    search->seed, box);
+    every->margin = INFINITY;
+    every->status = status;
+    cutting_set_stand(set_of(search));
+    enter(search, EVERY_LOOK, SEARCH_PHASE_CERTIFY);
+}
+
+// What the limits of the last box say of its bounds, in all variables.
+static void find_holders(struct search *search)
+{
+    struct search_every *every = &search->every;
+    const uint32_t free_sides = 2 * search->frame.space.count;
+    g_autofree uint8_t *holders = g_new(uint8_t, free_sides + 1);
+    every->gains = g_new0(double, search->scenario->constraint_count);
+    every->holders = g_malloc(2 * (size_t)search->frame.all.count);
+    memset(every->holders, CUTTING_SET_NOTHING, 2 * (size_t)search->frame.all.count);
+    cutting_set_holders(set_of(search), holders, every->gains);
+    for (uint32_t side = 0; side < free_sides; side++)
+        every->holders[2 * search->frame.variables[side / 2] + side % 2] = holders[side];
+    for (uint32_t c = 0; c < search->scenario->constraint_count; c++)
+        every->gains[c] *= every_relaxation;
+}
+
 static void end(struct search *search, enum search_status status)
 {
+    find_holders(search);
     search->every.stage = EVERY_NONE;
     search->kind = DESIGN_KIND_POINTS;
     search_finish_box(search, status);
@@ -106,7 +168,7 @@ void search_every_take(struct search *search)
 // A bad design was found in the box.
 static void mend(struct search *search)
 {
-    if (search->every.mends++ == EVERY_MENDS) {
+    if (search->every.mends++ == EVERY_MENDS || affordable(search) < EVERY_MEND_STEPS) {
         end(search, SEARCH_STATUS_PURITY_MISSED);
         return;
     }
@@ -142,8 +204,13 @@ static void complete_attack(struct search *search, const struct verdict *verdict
         return;
     }
     cutting_set_complete(set_of(search), &search->request.sampling, verdicts, report);
-    if (every->stage == EVERY_ATTACK)
+    if (every->stage == EVERY_ATTACK || every->stage == EVERY_LOOK)
         note_worst(search, report->worst, report->margin);
+    if (every->stage == EVERY_LOOK && every->stage_steps == EVERY_ATTACK_STEPS) {
+        every->stage = EVERY_NONE;
+        search_begin_explain(search, every->status);
+        return;
+    }
     if (every->stage == EVERY_MEND && every->stage_steps == EVERY_MEND_STEPS)
         attack(search);
     else if (every->stage == EVERY_ATTACK && report->bad > 0 && !scenario_is_box(search->scenario))
@@ -176,7 +243,7 @@ static void complete_kind(struct search *search, const struct verdict *verdicts)
     uint32_t taken = 0;
     for (uint32_t i = 0; i < samples; i++) {
         note_worst(search, i, (double)verdicts[i].margin);
-        if (verdicts[i].violation != VERDICT_GOOD && taken++ < ADVERSARY_SCOUTS)
+        if (verdicts[i].violation != VERDICT_GOOD && taken++ < EVERY_TAKEN)
             attack_by(search, i, &verdicts[i]);
     }
     if (bad > 0 && certificate->looks < CERTIFICATE_LOOKS && !scenario_is_box(search->scenario)) {
@@ -204,7 +271,8 @@ void search_every_complete(struct search *search, const struct verdict *verdicts
         complete_kind(search, verdicts);
     else
         complete_attack(search, verdicts);
-    cutting_set_centre(set_of(search), &search->every.box);
+    if (search->scenario->search.promise == PROMISE_EVERY)
+        cutting_set_centre(set_of(search), &search->every.box);
 }
 
 void search_every_fini(struct search_every *every)
@@ -212,5 +280,7 @@ void search_every_fini(struct search_every *every)
     robust_fini(&every->robust);
     box_fini(&every->box);
     box_fini(&every->worst);
+    g_free(every->holders);
+    g_free(every->gains);
     *every = (struct search_every){0};
 }

@@ -17,17 +17,21 @@ enum search_every_stage {
     EVERY_ATTACK,
     EVERY_CERTIFY,
     EVERY_MEND,
+    EVERY_LOOK, // at a box that another promise was kept for: nothing follows from it
 };
 
 struct search_every {
     enum search_every_stage stage;
     struct robust robust;
-    struct box box;       // free variables: the best one so far
-    uint32_t stage_steps; // finished in this stage
-    uint32_t mends;       // so far
-    double margin;        // least margin found in the box by the attack that came last
-    struct box worst;     // all variables: the design that has it, lower equal to upper
-    uint64_t attacks;     // samples of adversarial steps
+    enum search_status status; // EVERY_LOOK: what the search ends with
+    struct box box;            // free variables: the best one so far
+    uint32_t stage_steps;      // finished in this stage
+    uint32_t mends;            // so far
+    double margin;             // least margin found in the box by the attack that came last
+    struct box worst;          // all variables: the design that has it, lower equal to upper
+    uint8_t *holders; // (2 x all variables) constraint that holds each bound, once it is over
+    double *gains;    // (constraints) log-volume for 1 % of each
+    uint64_t attacks; // samples of adversarial steps
 };
 
 // Begins with these starts (free variables).
@@ -36,6 +40,9 @@ void search_every_start(struct search *search, const struct cloud *starts, uint3
 // Attacks and certifies the whole space of the search: a box in which nothing may move, and which
 // is not mended.
 void search_every_take(struct search *search);
+
+// Attacks a box (free variables) that is final, to tell the worst design in it.
+void search_every_look(struct search *search, const struct box *box, enum search_status status);
 
 // Whether the promise is being worked on; then what to sample next, and the verdicts, are its.
 bool search_every_active(const struct search *search);

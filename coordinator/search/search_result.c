@@ -2,6 +2,7 @@
 #include "coordinator/search/search_state.h"
 
 #include <glib.h>
+#include <math.h>
 
 // Steps still to come if everything goes as it should.
 static uint32_t steps_left(const struct search *search)
@@ -99,6 +100,12 @@ void search_result(const struct search *search, struct search_result *result)
         .blocking_constraint = blocking_constraint(search),
         .digest = result_digest(search),
     };
+    if (search->every.worst.count > 0 && isfinite(search->every.margin)) {
+        result->worst = search->every.worst.lower;
+        result->margin = search->every.margin;
+    }
+    result->holders = search->every.holders;
+    result->gains = search->every.gains;
     result->purity = purity_of(&search->certificate);
     for (int kind = DESIGN_KIND_POINTS; kind < DESIGN_KIND_COUNT; kind++)
         result->kinds[kind] =

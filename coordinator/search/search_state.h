@@ -86,7 +86,11 @@ void search_ask(struct search *search, const struct box *box, uint32_t samples,
 // The kind of designs that is looked at after the present one; DESIGN_KIND_COUNT: none is left.
 enum design_kind search_next_kind(const struct search *search);
 
-// There is a box, and it is final: what is left to do is to say what holds it.
+// There is a box, and it is final: what is left to do is to say which design in it is the worst,
+// where that is not known yet, and what holds it.
 void search_finish_box(struct search *search, enum search_status status);
+
+// The second of the two.
+void search_begin_explain(struct search *search, enum search_status status);
 
 #endif

@@ -326,6 +326,10 @@ void widest(const struct widest_problem *problem, struct widest_answer *answer)
     answer->excess = newton.at[sides];
     measure_slacks(&newton, newton.at, newton.slack);
     answer->shadow = 0;
-    for (uint32_t i = 0; i < limits; i++)
-        answer->shadow += newton.barrier / newton.slack[i];
+    for (uint32_t i = 0; i < limits; i++) {
+        const double price = newton.barrier / newton.slack[i];
+        answer->shadow += price;
+        if (answer->prices != NULL)
+            answer->prices[i] = price;
+    }
 }

@@ -31,9 +31,10 @@ struct widest_problem {
 };
 
 struct widest_answer {
-    double *sides; // (2 x variables) in: a box to start from; out: the widest one
-    double excess; // by how much a limit is missed at most
-    double shadow; // sum of the limits' prices: what one of tolerance costs in log-volume
+    double *sides;  // (2 x variables) in: a box to start from; out: the widest one
+    double excess;  // by how much a limit is missed at most
+    double *prices; // (limit_count) or NULL; out: what one of tolerance costs at each limit
+    double shadow;  // sum of the limits' prices: what one of tolerance costs in log-volume
 };
 
 // Solves the problem to within about 0.01 of the best log-volume. There is some box whose sides are

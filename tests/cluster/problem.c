@@ -25,6 +25,7 @@ static const char problem_text[] = "name: storm\n"
                                    "search:\n"
                                    "  exploration_steps: 3\n"
                                    "  consolidation_steps: 2\n"
+                                   "  promise: points\n"
                                    "  target_purity: 0.5\n";
 
 static const char *const problem_overrides[PROBLEM_SEARCHES][4] = {

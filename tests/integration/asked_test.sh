@@ -112,8 +112,10 @@ cases_are_told_apart()
 # corridors do not depend on it.
 explanation_costs_what_it_says()
 {
-    run 0 sobox-coordinator "$scenario" --out plain --set search.explain_samples=0
-    run 0 sobox-coordinator "$scenario" --out explained --set search.explain_samples=30
+    local points=(--set search.promise=points)
+    run 0 sobox-coordinator "$scenario" "${points[@]}" --out plain --set search.explain_samples=0
+    run 0 sobox-coordinator "$scenario" "${points[@]}" --out explained \
+        --set search.explain_samples=30
     expect_equal "$(digest explained)" "$(digest plain)" 'digest'
     local steps designs
     steps=$(grep -c '^0,explain,' explained/history.csv)
@@ -122,6 +124,6 @@ explanation_costs_what_it_says()
     expect_equal "$designs" $((30 * steps)) 'designs just outside'
     [ "$steps" -gt 0 ] || fail 'no bound was looked at'
     expect_equal "$(grep -c '^0,explain,' plain/history.csv)" 0 'steps that were switched off'
-    run 0 sobox-coordinator "$scenario" --out budget --set search.evaluations=6000
+    run 0 sobox-coordinator "$scenario" "${points[@]}" --out budget --set search.evaluations=6000
     _true "$(json budget/result.json '$.searches[0].evaluations') <= 6000" 'budget'
 }

@@ -129,7 +129,8 @@ axes:
 EOF
     start worker sobox-worker --url "$url" --threads 1
     start coordinator sobox-coordinator sweep.yaml --out run --url "$url" --threads 1 \
-        --set search.exploration_steps=100 --set search.consolidation_steps=100
+        --set search.exploration_steps=100 --set search.consolidation_steps=100 \
+        --set search.promise=points
     wait_until 'two cases are over' _are_over 2
     _start_page
     wait_until 'the monitor hears of all cases' _knows_all_cases

@@ -20,7 +20,7 @@ sealed_run_gives_the_same_result()
     expect_same_run clear inside
     run 0 sobox-coordinator "$scenario" --out local --key-file key --workers 2
     expect_same_run clear local
-    start worker sobox-worker --url "$url" --key-file key
+    start worker sobox-worker --url "$url" --key-file key --mtu 9000
     run 0 sobox-coordinator "$scenario" --out outside --key-file key --url "$url"
     expect_same_run clear outside
     run 0 sobox-coordinator "$scenario" --out large --key-file key --url "$url" --mtu 9000

@@ -745,9 +745,9 @@ static void wrong_files_are_told_apart(void **state)
     folder_empty(*state);
 
     journal_close(create(*state, 1));
-    tamper(*state, "UPDATE meta SET schema = 4");
+    tamper(*state, "UPDATE meta SET schema = 5");
     read_all(*state, &error);
-    assert_error(&error, STATUS_REFUSED, "version 4");
+    assert_error(&error, STATUS_REFUSED, "version 5");
     assert_int_equal(journal_open(&journal, *state, JOURNAL_RESUME, &error), STATUS_REFUSED);
 }
 

@@ -22,7 +22,8 @@ static const char text[] = "name: plane\n"
                            "    force_x: {lower: 0, upper: 1}\n"
                            "    force_y: {lower: 0, upper: 1}\n"
                            "response: any\n"
-                           "firewall_distance: 0.25\n";
+                           "firewall_distance: 0.25\n"
+                           "search: {promise: points}\n"; // whose steps all have as many samples
 
 enum { SEARCHES = 40, STEPS = 8, SAMPLES = 200 };
 

@@ -91,6 +91,7 @@ static void judge(const struct run_search *search)
             sum += values[(size_t)v * samples + i] / search->scenario.design_space.upper[v];
         search->verdicts[i].constraint = 0;
         search->verdicts[i].violation = verdict_violation(sum / count - 0.6);
+        search->verdicts[i].margin = (float)(0.6 - sum / count);
     }
     free(values);
 }

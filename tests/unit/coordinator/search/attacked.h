@@ -51,20 +51,26 @@ static inline void attacked_fini(struct attacked *attacked)
     curve_map_fini(&attacked->scenario.curves);
 }
 
+enum { ATTACKED_SAMPLES = 200 }; // of a step of other kinds, as by default
+
 // An adversary of the problem, without attacks.
 static inline void attacked_adversary(const struct attacked *attacked, uint64_t seed,
                                       struct adversary *adversary)
 {
     adversary_init(adversary, &attacked->frame, &attacked->scenario.curves, attacked->constraints,
-                   seed);
+                   ATTACKED_SAMPLES, seed);
 }
 
 // A cutting set of the problem that starts around a design.
 static inline void attacked_set(const struct attacked *attacked, const struct demands *demands,
                                 const double *start, struct cutting_set *set)
 {
+    struct box box;
+    box_init(&box, attacked->frame.space.count);
+    cutting_set_around(&attacked->frame.space, start, &box);
     cutting_set_init(set, &attacked->frame, demands, &attacked->scenario.curves,
-                     attacked->constraints, 1, start);
+                     attacked->constraints, ATTACKED_SAMPLES, 1, &box);
+    box_fini(&box);
 }
 
 // Cutting sets of the problem from several starts.
@@ -73,7 +79,7 @@ static inline void attacked_robust(const struct attacked *attacked, const struct
                                    struct robust *robust)
 {
     robust_init(robust, &attacked->frame, demands, &attacked->scenario.curves,
-                attacked->constraints, seed, starts, steps);
+                attacked->constraints, ATTACKED_SAMPLES, seed, starts, steps);
 }
 
 // What workers do: full verdicts, and margins as batch.h has them.

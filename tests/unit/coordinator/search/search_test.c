@@ -142,6 +142,10 @@ static struct scenario scenario_of(const struct setting *setting)
         scenario.design_space.lower[v] = v < setting->fixed ? 0.25 : setting->lower;
         scenario.design_space.upper[v] = v < setting->fixed ? 0.25 : setting->upper;
     }
+    static struct scenario_constraint constraints[2] = {{.max = 0, .scale = 1},
+                                                        {.max = 0, .scale = 1}};
+    scenario.constraints = constraints;
+    scenario.constraint_count = G_N_ELEMENTS(constraints);
     scenario.search = setting->asked;
     scenario.search.samples = setting->samples;
     scenario.search.exploration_steps = setting->steps;
@@ -166,7 +170,8 @@ static void evaluate(const struct setting *setting, const struct search_request 
         verdicts[i].constraint = verdicts[i].violation != 0 && relative > 0.5 ? 1 : 0;
         if (request->detail == VERDICT_DETAIL_SHARE && verdicts[i].violation != 0)
             verdicts[i] = (struct verdict){.violation = 1};
-        verdicts[i].margin = (float)-relative;
+        if (request->detail == VERDICT_DETAIL_MARGIN)
+            verdicts[i].margin = isnan(relative) ? -INFINITY : (float)-relative;
     }
     g_free(values);
 }
@@ -319,7 +324,7 @@ static void searches_one_variable_among_fixed_ones(void **state)
     box_fini(&outcome.box);
 }
 
-// Nothing to search for: the whole design space, after one step and its certificate.
+// Nothing to search for: the whole design space, after one step, its certificates and an attack.
 static void takes_the_whole_space_when_all_is_good(void **state)
 {
     (void)state;
@@ -327,7 +332,9 @@ static void takes_the_whole_space_when_all_is_good(void **state)
     setting.problem = everywhere_good;
     struct outcome_of_search outcome = run(&setting, 1);
     assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
-    assert_int_equal(outcome.result.steps, 3);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_SEEK], 1);
+    assert_int_equal(outcome.steps[SEARCH_PHASE_EXPLORE] + outcome.steps[SEARCH_PHASE_CONSOLIDATE],
+                     0);
     assert_true(outcome.result.log_volume == 0);
     box_fini(&outcome.box);
 }
