@@ -39,10 +39,7 @@ static double greatest_difference(const struct kinematics_setup *setup, const do
                                   const double *b)
 {
     double greatest = 0.0;
-    // Event Verlet's greatest deformations look into the step, which naive.c does for s_L only.
-    const uint32_t rows =
-        setup->spring_count * (setup->integrator == KINEMATICS_EVENT_VERLET ? 1 : 2);
-    for (uint32_t i = 0; i < KINEMATICS_WORK + rows; i++) {
+    for (uint32_t i = 0; i < KINEMATICS_WORK + 2 * setup->spring_count; i++) {
         // Where the vehicle turned past 90 degrees the projection is at the tangent's mercy.
         const double size = result_size(setup, i) * fmax(1.0, fabs(b[i]));
         greatest = fmax(greatest, fabs(a[i] - b[i]) / size);
@@ -101,11 +98,38 @@ static void runge_kutta_agrees_with_the_equations(void **state)
     assert_agreement(KINEMATICS_RUNGE_KUTTA_4, KINEMATICS_RELOADING_CRUSHED);
 }
 
-static void event_verlet_agrees_with_the_equations(void **state)
+// Event Verlet looks into its steps, which naive.c does not. Both come to the same crash all the
+// same: with a step of 0.1 ms here and Runge-Kutta with 5 us there, which still sees events at
+// whole steps only. Some crashes in a hundred hang on whether a spring just meets or just misses.
+static void event_verlet_comes_to_the_same_crash(void **state)
 {
     (void)state;
-    assert_agreement(KINEMATICS_EVENT_VERLET, KINEMATICS_RELOADING_THESIS);
-    assert_agreement(KINEMATICS_EVENT_VERLET, KINEMATICS_RELOADING_CRUSHED);
+    enum { FEW = 200 };
+    uint64_t seed = 24;
+    double values[VALUE_MAX];
+    double results[RESULT_MAX];
+    double expected[RESULT_MAX];
+    int close = 0;
+    for (int crash = 0; crash < FEW; crash++) {
+        struct sedan sedan;
+        sedan_randomize(&sedan, &seed);
+        sedan.setup.integrator = KINEMATICS_EVENT_VERLET;
+        sedan.setup.reloading = (enum kinematics_reloading)(crash % 2);
+        sedan.setup.time_step = 1e-4;
+        struct kinematics_problem *problem = kinematics_create(&sedan.setup);
+        sedan_forces(&sedan, kinematics_value_count(problem), &seed, 1, values, 1);
+        kinematics_evaluate(problem, 1, values, results, 1);
+        sedan.setup.integrator = KINEMATICS_RUNGE_KUTTA_4;
+        sedan.setup.time_step = 5e-6;
+        naive_evaluate(&sedan.setup, values, expected);
+        const double apart =
+            fmax(fabs(results[KINEMATICS_TRAVEL_Y] - expected[KINEMATICS_TRAVEL_Y]),
+                 fabs(results[KINEMATICS_LENGTH_MIN] - expected[KINEMATICS_LENGTH_MIN]));
+        close += apart < 0.5e-3; // [m]
+        kinematics_free(problem);
+    }
+    print_message("%d of %d crashes agree\n", close, (int)FEW);
+    assert_true(close >= 0.97 * FEW);
 }
 
 int main(void)
@@ -113,7 +137,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(central_difference_agrees_with_the_equations),
         cmocka_unit_test(velocity_verlet_agrees_with_the_equations),
-        cmocka_unit_test(event_verlet_agrees_with_the_equations),
+        cmocka_unit_test(event_verlet_comes_to_the_same_crash),
         cmocka_unit_test(runge_kutta_agrees_with_the_equations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,21 +12,17 @@ struct naive_spring {
     double projection;  // [m] y on the barrier, or on the plane of the face
     double normal[2];   // of the barrier at P2
     bool contact;
-    double force[2];    // [N] in vehicle axes
-    double work[2];     // [J] done on the vehicle by its x force, its y force
-    double deepest;     // [m] greatest deformation in contact
-    double before;      // [m] deformation that loading is told from
-    double margin;      // [m] to the nearer end of the face
-    double slip;        // [m] length with which it slips off there
-    bool slipped;       // off a rounded edge within the step,
-    double slip_length; // [m] at this length
-    bool touched;       // at the time before
-    double slip_before; // [m] slip at the time before
-    // Of the time before, for event Verlet.
-    double deformation_before; // [m]
-    double growth_before;      // [m] over the step before that time
-    double margin_before;      // [m]
-    bool acted[2];             // the load branch, the unload branch
+    double force[2];      // [N] in vehicle axes
+    double work[2];       // [J] done on the vehicle by its x force, its y force
+    double deepest;       // [m] greatest deformation in contact
+    double before;        // [m] deformation that loading is told from
+    double margin;        // [m] to the nearer end of the face
+    double slip;          // [m] length with which it slips off there
+    bool slipped;         // off a rounded edge within the step,
+    double slip_length;   // [m] at this length
+    bool touched;         // at the time before
+    double slip_before;   // [m] slip at the time before
+    double margin_before; // [m]
 };
 
 struct naive {
@@ -34,10 +30,9 @@ struct naive {
     const double *values;
     struct naive_spring springs[KINEMATICS_SPRING_MAX];
     double force[2]; // [N] sums in road axes
-    double felt;     // [N] in x, without what event Verlet makes good
     double moment;   // [Nm]
     double work_rate[KINEMATICS_SPRING_MAX];
-    bool slipped;       // spring 0 left the face within the step: event Verlet, or a rounded edge,
+    bool slipped;       // spring 0 slipped off a rounded edge within the step,
     double slip_length; // [m] at this length
     // Gathered for the results.
     double length_last, length_min, yaw_max, ax_max, ax_sum;
@@ -60,16 +55,6 @@ static double interpolate(const struct kinematics_curve *curve, const double *fo
     const double share =
         (s - curve->deformation[i]) / (curve->deformation[i + 1] - curve->deformation[i]);
     return force[i] + share * (force[i + 1] - force[i]);
-}
-
-// The same where the first segment continues below the first point.
-static double line(const struct kinematics_curve *curve, const double *force, double s)
-{
-    if (s >= curve->deformation[0]) {
-        return interpolate(curve, force, s);
-    }
-    const double slope = (force[1] - force[0]) / (curve->deformation[1] - curve->deformation[0]);
-    return force[0] + slope * (s - curve->deformation[0]);
 }
 
 // Where the line from P1 along -(cos, sin) meets the barrier.
@@ -140,90 +125,7 @@ static double crossing(double a, double b)
     return a / (a - b);
 }
 
-// What a branch did within the step beside the half steps that count anyway, for all of the force
-// that it has: the mean force over the part of the step in which it acted.
-static double missed(const struct kinematics_setup *setup, const struct kinematics_curve *curve,
-                     const double *force, const struct naive_spring *spring, bool was, bool is,
-                     bool loading, double reference)
-{
-    const double s = spring->deformation;
-    const double s_before = spring->deformation_before;
-    const double growth = s - s_before;
-    const double start = fmax(curve->deformation[0], 0.0);
-    bool grew = spring->growth_before > 0.0;
-    const bool grows = s > reference;
-    const double turn = crossing(spring->growth_before, growth) - 0.5;
-    if (setup->reloading == KINEMATICS_RELOADING_CRUSHED && s_before < reference) {
-        grew = false;
-    }
-    const double slip = crossing(spring->margin_before, spring->margin);
-    const double reach = crossing(s_before - start, s - start);
-    double at = was ? 1.0 : -0.5;
-    if (was) {
-        at = spring->margin < 0.0 ? fmin(at, slip) : at;
-        at = s <= start ? fmin(at, reach) : at;
-        at = loading && !grows ? fmin(at, turn) : at;
-    } else {
-        at = spring->margin_before < 0.0 ? fmax(at, slip) : at;
-        at = s_before <= start ? fmax(at, reach) : at;
-        at = !loading && grew && !grows ? fmax(at, turn) : at;
-    }
-    if (was == is || (grows && !grew)) {
-        return 0.0;
-    }
-    const double share = was ? at : 1.0 - at;
-    // The branch is a straight line beyond its first point here.
-    const double there = line(curve, force, s_before + at * growth);
-    const double near = line(curve, force, was ? s_before : s);
-    return 0.5 * (share * (near + there) - near);
-}
-
-// Adds to a spring's force what began and ended within the step; notes what the next step has to
-// know.
-static void make_good(struct naive *naive, uint32_t index, const double *values, bool grows,
-                      double reference, double weight)
-{
-    const struct kinematics_setup *setup = naive->setup;
-    const struct kinematics_spring *at = &setup->springs[index];
-    struct naive_spring *spring = &naive->springs[index];
-    const double s = spring->deformation;
-    const bool acts[2] = {
-        spring->contact && grows && s >= at->load.deformation[0],
-        spring->contact && !grows && at->unload.point_count > 0 && s >= at->unload.deformation[0],
-    };
-    for (int direction = 0; direction < 2 && weight > 0.0; direction++) {
-        const double *load = values + direction * at->load.point_count;
-        const double *unload =
-            values + 2 * at->load.point_count + direction * at->unload.point_count;
-        spring->force[direction] +=
-            missed(setup, &at->load, load, spring, spring->acted[0], acts[0], true, reference) /
-            weight;
-        if (at->unload.point_count > 0) {
-            spring->force[direction] += missed(setup, &at->unload, unload, spring, spring->acted[1],
-                                               acts[1], false, reference) /
-                                        weight;
-        }
-    }
-    if (index == 0) {
-        naive->slipped = weight > 0.0 && spring->margin < 0.0 && spring->margin_before >= 0.0 &&
-                         spring->deformation_before > 0.0 && !spring->contact;
-        const double share = crossing(spring->margin_before, spring->margin);
-        naive->slip_length =
-            setup->profile == KINEMATICS_PROFILE_ROUNDED
-                ? spring->slip_before + share * (spring->slip - spring->slip_before)
-                : at->length - spring->deformation_before -
-                      share * (s - spring->deformation_before);
-    }
-    spring->slip_before = spring->slip;
-    spring->growth_before =
-        weight > 0.0 ? s - spring->deformation_before : setup->speed * setup->time_step;
-    spring->deformation_before = s;
-    spring->margin_before = spring->margin;
-    spring->acted[0] = acts[0];
-    spring->acted[1] = acts[1];
-}
-
-// Whether a spring slipped off the rounded edge since the time before, for all other schemes.
+// Whether a spring slipped off the rounded edge since the time before, and with which length.
 static void slip_off(struct naive *naive, uint32_t index)
 {
     struct naive_spring *spring = &naive->springs[index];
@@ -240,17 +142,14 @@ static void slip_off(struct naive *naive, uint32_t index)
 }
 
 // Forces at a place; v is NULL where loading is told from the deformation before.
-// `weight` is the part of a step over which they act, 0 at time 0.
-static void forces(struct naive *naive, const double q[FREEDOM], const double *v, bool settled,
-                   double weight)
+static void forces(struct naive *naive, const double q[FREEDOM], const double *v, bool settled)
 {
     const struct kinematics_setup *setup = naive->setup;
     const double c = cos(q[YAW]);
     const double sn = sin(q[YAW]);
     const double cog[2] = {setup->cog[0] + q[X], setup->cog[1] + q[Y]};
     const double *values = naive->values;
-    naive->force[0] = naive->force[1] = naive->moment = naive->felt = 0.0;
-    const bool events = setup->integrator == KINEMATICS_EVENT_VERLET;
+    naive->force[0] = naive->force[1] = naive->moment = 0.0;
     for (uint32_t i = 0; i < setup->spring_count; i++) {
         const struct kinematics_spring *at = &setup->springs[i];
         struct naive_spring *spring = &naive->springs[i];
@@ -261,7 +160,6 @@ static void forces(struct naive *naive, const double q[FREEDOM], const double *v
             const double vp[2] = {v[X] - v[YAW] * arm[1], v[Y] + v[YAW] * arm[0]};
             grows = vp[0] * spring->normal[0] + vp[1] * spring->normal[1] < 0.0;
         }
-        const double reference = spring->before;
         if (settled && setup->reloading == KINEMATICS_RELOADING_THESIS) {
             spring->before = spring->deformation;
         } else if (settled && spring->contact) {
@@ -279,10 +177,7 @@ static void forces(struct naive *naive, const double q[FREEDOM], const double *v
             }
             spring->force[direction] = force;
         }
-        naive->felt += c * spring->force[0] - sn * spring->force[1];
-        if (events) {
-            make_good(naive, i, values, grows, reference, weight);
-        } else if (settled && setup->profile == KINEMATICS_PROFILE_ROUNDED) {
+        if (settled && setup->profile == KINEMATICS_PROFILE_ROUNDED) {
             slip_off(naive, i);
         }
         values += 2 * (at->load.point_count + at->unload.point_count);
@@ -326,7 +221,7 @@ static void observe(struct naive *naive, const double q[FREEDOM])
                 fmax(spring->deepest, naive->setup->springs[i].length - spring->slip_length);
         }
     }
-    const double ax = naive->felt / naive->setup->mass;
+    const double ax = naive->force[0] / naive->setup->mass;
     naive->yaw_max = fmax(naive->yaw_max, fabs(q[YAW]));
     naive->ax_max = fmax(naive->ax_max, fabs(ax));
     naive->ax_sum += ax;
@@ -358,7 +253,7 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
     const bool verlet = setup->integrator != KINEMATICS_CENTRAL_DIFFERENCE;
     double before[FREEDOM] = {0.0};
     double a[FREEDOM];
-    forces(naive, before, NULL, true, 0.0);
+    forces(naive, before, NULL, true);
     accelerate(naive, a);
     if (verlet) {
         observe(naive, before);
@@ -372,7 +267,7 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
     }
     work(naive, before, way);
     for (uint32_t k = 1; k < n; k++) {
-        forces(naive, q, NULL, true, 1.0);
+        forces(naive, q, NULL, true);
         observe(naive, q);
         accelerate(naive, a);
         double next[FREEDOM];
@@ -386,7 +281,7 @@ static void step_differences(struct naive *naive, uint32_t n, double q[FREEDOM],
             q[i] = next[i];
         }
     }
-    forces(naive, q, NULL, true, 0.5);
+    forces(naive, q, NULL, true);
     observe(naive, q);
     accelerate(naive, a);
     for (int i = 0; i < FREEDOM; i++) {
@@ -417,7 +312,7 @@ static void step_runge_kutta(struct naive *naive, uint32_t n, double q[FREEDOM],
                 there[i] = v[i] + to[stage] * dt * a[i];
                 way[i] = weight[stage] * dt / 6.0 * there[i];
             }
-            forces(naive, place, there, stage == 0, 1.0);
+            forces(naive, place, there, stage == 0);
             if (stage == 0) {
                 observe(naive, place);
             }
@@ -434,7 +329,7 @@ static void step_runge_kutta(struct naive *naive, uint32_t n, double q[FREEDOM],
             v[i] += v_sum[i];
         }
     }
-    forces(naive, q, v, true, 1.0);
+    forces(naive, q, v, true);
     observe(naive, q);
 }
 

@@ -1,7 +1,7 @@
 // The crash model as one would write it down from the thesis: one design, one equation after the
 // other, with the C library's trigonometry and no thought of speed. The kernel must agree with it
-// to rounding. It has the kernel's integrators and the kernel's rules for what happens within a
-// step, so it finds slips of the pen and no wrong idea: that is for reference.h.
+// to rounding. It has the kernel's integrators (but for event Verlet) and the kernel's rules, so it
+// finds slips of the pen and no wrong idea: that is for reference.h.
 #ifndef SOBOX_TESTS_PHYSICS_NAIVE_H
 #define SOBOX_TESTS_PHYSICS_NAIVE_H
 

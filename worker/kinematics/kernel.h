@@ -17,6 +17,7 @@
 #include "worker/kinematics/kernel_events.h"
 #include "worker/kinematics/kernel_flight.h"
 #include "worker/kinematics/kernel_results.h"
+#include "worker/kinematics/kernel_turns.h"
 
 // Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
 // loading from the deformation of the step before. `settled` says that this is a time of the
@@ -44,21 +45,29 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
         const struct lanes s = lanes_add(lanes_set(spring->reach), place.place);
         const struct lanes_mask contact = lanes_and_less(place.projected, zero, s);
         const bool ring = features.events && !features.crushed;
-        const struct lanes reference = lanes_load(
-            ring ? scratch->springs[i].event.deformation[(number + 2) % 3] : kept->reference);
+        const uint32_t now = number % 2;
+        const struct lanes reference =
+            lanes_load(ring ? kept->event.deformation[1 - now] : kept->reference);
+        const struct lanes beyond = lanes_sub(s, reference);
         struct lanes_mask loading;
-        if (velocity == NULL || features.crushed) {
+        if (features.events) {
+            loading = lanes_and_less(contact, lanes_set(problem->rest), beyond);
+        } else if (velocity == NULL || features.crushed) {
             loading = lanes_and_less(contact, reference, s);
         } else {
             loading = lanes_and(contact, kernel_grows(spring, &place, pose, velocity));
         }
         if (settled) {
-            const struct lanes crushed = lanes_select(contact, lanes_max(reference, s), reference);
-            if (!ring) {
-                lanes_store(kept->reference, features.crushed ? crushed : s);
+            if (features.crushed) {
+                lanes_store(kept->reference,
+                            features.events
+                                ? lanes_select(loading, s, reference)
+                                : lanes_select(contact, lanes_max(reference, s), reference));
+            } else if (!ring) {
+                lanes_store(kept->reference, s);
             }
             if (features.events) {
-                lanes_store(scratch->springs[i].event.deformation[number % 3], s);
+                lanes_store(kept->event.deformation[now], s);
             }
             if (features.deepest) {
                 kernel_deepen(kept, contact, s);
@@ -100,9 +109,8 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
         }
         load.contact = lanes_or(load.contact, contact);
         if (features.events) {
-            other =
-                lanes_or(other, kernel_keep_event(features, i, number, &place, reference, contact,
-                                                  acts, gives, &scratch->springs[i].event));
+            other = lanes_or(other, kernel_keep_event(features, i, number, &place, reference,
+                                                      beyond, contact, acts, gives, &kept->event));
             if (recording) {
                 lanes_store(scratch->springs[i].event.force_x, x);
                 lanes_store(scratch->springs[i].event.force_y, y);
@@ -131,7 +139,7 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
     load.felt = load.x;
     if (features.events && weight > 0.0 && __builtin_expect(lanes_any(other), false)) {
         scratch->left = lanes_none();
-        kernel_find_events(problem, features, number, weight, scratch);
+        kernel_find_events(problem, features, number, weight, pose, scratch);
         load.first_deformation =
             lanes_select(scratch->left, lanes_load(scratch->left_at), load.first_deformation);
         load.first_contact = lanes_or(load.first_contact, scratch->left);
@@ -235,8 +243,9 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         *pose = kernel_pose(at);
         load = kernel_forces(problem, features, at, pose, NULL, true, step,
                              step == 0 ? 0.0 : weight, rows != NULL, scratch);
-        if (features.events && step == 0) {
-            kernel_start_events(problem, scratch);
+        if (features.events && step > 0) {
+            kernel_turns(problem, features, at, &way, pose, step, weight, rows != NULL, &load,
+                         scratch);
         }
         if (weight > 0.0) {
             kernel_observe(pose, &load, observed);
@@ -362,7 +371,7 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
         // The vehicle comes towards the barrier, so at time 0 every spring loads.
         lanes_store(scratch->springs[i].reference, lanes_set(-INFINITY));
         if (features.events) {
-            lanes_store(scratch->springs[i].event.deformation[2], lanes_set(-INFINITY));
+            lanes_store(scratch->springs[i].event.deformation[1], lanes_set(-INFINITY));
         }
         if (features.rounded) {
             scratch->springs[i].event.contact[1] = lanes_none(); // before time 0 nothing touches

@@ -7,8 +7,14 @@
 // up to then, or from then on, is made good at the time after: too late by part of a step, which is
 // an error of second order.
 //
-// Not so the moment at which a spring begins to load again. Of a car that stands still, rounding
-// decides whether it does; then nothing may be made good, or the car would be thrown by it.
+// Loading is a switch on the growth of the deformation, and pushes against what moves it: a spring
+// that was made to let go after the fact would by then have thrown the car. So how long each spring
+// loads is worked out before its force acts, for the time from half a step before to half a step
+// after, which is the time that the leapfrog gives to the forces of one moment. All rates are taken
+// as even over it. A spring that comes to rest and would be pressed again, were it not for its own
+// force, is held there by the share of its force that does so: a car that stands still, or a spring
+// that another one presses against the barrier. Where no force wants to move it that share is 0, so
+// the steps of a car at rest do nothing.
 #ifndef SOBOX_WORKER_KINEMATICS_KERNEL_EVENTS_H
 #define SOBOX_WORKER_KINEMATICS_KERNEL_EVENTS_H
 
@@ -20,8 +26,9 @@ struct kernel_step {
     struct lanes before;      // [m] at the time before
     struct lanes slip;        // share of the step at which it met or left the face
     struct lanes_mask outside_before, outside;
-    struct lanes turn; // at which it ceased to load; may lie half a step before the time before
-    struct lanes_mask loads, turned, again; // loads now, loaded before and ceased to, began to
+    struct lanes end;      // at which leaving the face ended its force, 1 where it did not
+    struct lanes again;    // share at which it passed its greatest deformation; with `crushed`
+    struct lanes_mask gap; // where it had been less deformed before
 };
 
 // a / (a - b): where the line from a to b is 0.
@@ -31,39 +38,41 @@ LANES_INLINE struct lanes kernel_crossing(struct lanes a, struct lanes b)
 }
 
 // Adds to x and y what a branch that began or ceased to act within the step did there, beside the
-// half steps that count anyway. Where `was` and `is` are equal nothing is added.
+// half steps that count anyway: where a spring met or left the face or a curve's first point, or
+// passed its greatest deformation. What ended or began with the growth is no matter of this.
 LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
                                    const struct problem_curve *curve, const double *coefficients,
                                    const struct kernel_step *step, bool loading,
                                    struct lanes_mask was, struct lanes_mask is, struct lanes weight,
                                    struct lanes *x, struct lanes *y)
 {
-    const struct lanes_mask began = lanes_and_not(is, was);
-    const struct lanes_mask ended = lanes_and_not(was, is);
-    const struct lanes_mask changed = lanes_and_not(lanes_or(began, ended), step->again);
-    if (!lanes_any(changed)) {
-        return;
-    }
     const struct lanes one = lanes_set(1.0);
     const struct lanes half = lanes_set(0.5);
     const struct lanes start = lanes_set(curve->acts_above);
     const struct lanes_mask all = lanes_less(lanes_set(0.0), one);
     const struct lanes_mask short_before = lanes_and_not_above(all, step->before, start);
     const struct lanes_mask short_now = lanes_and_not_above(all, step->deformation, start);
+    const struct lanes_mask ended =
+        lanes_and(lanes_and_not(was, is), lanes_or(step->outside, short_now));
+    struct lanes_mask kept_off = lanes_or(step->outside_before, short_before);
+    if (loading) {
+        kept_off = lanes_or(kept_off, step->gap);
+    }
+    const struct lanes_mask began = lanes_and(lanes_and_not(is, was), kept_off);
+    const struct lanes_mask changed = lanes_or(began, ended);
+    if (!lanes_any(changed)) {
+        return;
+    }
     const struct lanes reach =
         kernel_crossing(lanes_sub(step->before, start), lanes_sub(step->deformation, start));
     // It ends with the first thing that forbids it and begins once nothing does any more.
-    struct lanes end = one;
-    end = lanes_select(step->outside, lanes_min(step->slip, end), end);
+    struct lanes end = step->end;
     end = lanes_select(short_now, lanes_min(reach, end), end);
-    if (loading) {
-        end = lanes_select(step->loads, end, lanes_min(step->turn, end));
-    }
-    struct lanes begin = lanes_set(-0.5);
+    struct lanes begin = lanes_set(0.0);
     begin = lanes_select(step->outside_before, lanes_max(step->slip, begin), begin);
     begin = lanes_select(short_before, lanes_max(reach, begin), begin);
-    if (!loading) {
-        begin = lanes_select(step->turned, lanes_max(step->turn, begin), begin);
+    if (loading) {
+        begin = lanes_select(step->gap, lanes_max(step->again, begin), begin);
     }
 
     const struct lanes moment = lanes_select(ended, end, begin);
@@ -84,38 +93,62 @@ LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
     *y = lanes_add(*y, lanes_keep(changed, more_y));
 }
 
+// The share of the step at which a spring that slipped off ceased to load. On a rounded edge it
+// does so shortly before: where e = sqrt(r^2 - h^2) - along rests, at a half chord of r h' /
+// along'. The way from there to where it slips off, in h^2, is what the two half chords differ by
+// in square. Up to the middle of the step the turn has been seen before.
+LANES_INLINE struct lanes kernel_arc_end(const struct kinematics_problem *problem,
+                                         const struct kernel_step *step,
+                                         const struct kernel_pose *pose,
+                                         const struct kernel_event *event, uint32_t number,
+                                         struct lanes margin_before, struct lanes margin)
+{
+    const struct lanes zero = lanes_set(0.0);
+    const struct lanes radius = lanes_set(problem->edge_radius);
+    const struct lanes advance =
+        lanes_sub(lanes_load(event->slip[number % 2]), lanes_load(event->slip[1 - number % 2]));
+    const struct lanes rise = lanes_sub(margin_before, margin);
+    const struct lanes turn = lanes_mul(radius, lanes_div(rise, advance));
+    const struct lanes slip = lanes_mul(radius, lanes_max(pose->sine, zero));
+    const struct lanes squares = lanes_fnma(slip, slip, lanes_mul(turn, turn));
+    const struct lanes before = lanes_div(squares, lanes_mul(lanes_add(radius, radius), rise));
+    const struct lanes earlier =
+        lanes_min(step->slip, lanes_max(lanes_set(0.5), lanes_sub(step->slip, before)));
+    const struct lanes end = lanes_select(lanes_less(zero, squares), earlier, step->slip);
+    return lanes_select(step->outside, end, step->end);
+}
+
 // The step of one spring, from what was kept of it.
 LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *problem,
                                                struct problem_features features, uint32_t number,
+                                               const struct kernel_pose *pose,
                                                const struct kernel_event *event)
 {
-    const uint32_t now = number % 3;
-    const uint32_t before = (number + 2) % 3;
-    const uint32_t earlier = (number + 1) % 3;
+    const uint32_t now = number % 2;
+    const uint32_t before = 1 - now;
     const struct lanes zero = lanes_set(0.0);
     struct kernel_step step;
     step.deformation = lanes_load(event->deformation[now]);
     step.before = lanes_load(event->deformation[before]);
-    const struct lanes growth = lanes_sub(step.deformation, step.before);
-    const struct lanes growth_before =
-        lanes_sub(step.before, lanes_load(event->deformation[earlier]));
-    const struct lanes margin =
-        kernel_edge_margin(problem, features, lanes_load(event->edge[number % 2]));
+    const struct lanes margin = kernel_edge_margin(problem, features, lanes_load(event->edge[now]));
     const struct lanes margin_before =
-        kernel_edge_margin(problem, features, lanes_load(event->edge[(number + 1) % 2]));
+        kernel_edge_margin(problem, features, lanes_load(event->edge[before]));
     step.slip = kernel_crossing(margin_before, margin);
     step.outside_before = lanes_less(margin_before, zero);
     step.outside = lanes_less(margin, zero);
-    step.turn = lanes_sub(kernel_crossing(growth_before, growth), lanes_set(0.5));
-    step.loads = lanes_less(step.before, step.deformation);
-    struct lanes_mask loaded = lanes_less(zero, growth_before);
+    step.end = lanes_set(1.0);
+    step.end = lanes_select(step.outside, step.slip, step.end);
+    if (features.rounded) {
+        step.end = kernel_arc_end(problem, &step, pose, event, number, margin_before, margin);
+    }
+    step.again = zero;
+    step.gap = lanes_none();
     if (features.crushed) {
         const struct lanes reference = lanes_load(event->reference);
-        step.loads = lanes_less(reference, step.deformation);
-        loaded = lanes_and_not(loaded, lanes_less(step.before, reference));
+        const struct lanes gap = lanes_sub(reference, step.before);
+        step.gap = lanes_less(lanes_set(problem->rest), gap);
+        step.again = lanes_div(gap, lanes_sub(step.deformation, step.before));
     }
-    step.turned = lanes_and_not(loaded, step.loads);
-    step.again = lanes_and_not(step.loads, loaded);
     return step;
 }
 
@@ -174,6 +207,7 @@ LANES_INLINE struct lanes_mask kernel_slipped(const struct problem_spring *sprin
 static __attribute__((noinline)) void kernel_find_events(const struct kinematics_problem *problem,
                                                          struct problem_features features,
                                                          uint32_t number, double weight,
+                                                         const struct kernel_pose *pose,
                                                          struct kernel_scratch *scratch)
 {
     const uint32_t now = number % 2;
@@ -196,7 +230,7 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
         if (!other && !parted) {
             continue;
         }
-        const struct kernel_step step = kernel_step_of(problem, features, number, event);
+        const struct kernel_step step = kernel_step_of(problem, features, number, pose, event);
         struct lanes x = zero;
         struct lanes y = zero;
         kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true,
@@ -231,20 +265,23 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
     lanes_store(scratch->made_good[2], moment);
 }
 
-// Remembers of one spring what the next step is held against. Returns where it began or ceased to
-// act within the step that ends now, and for spring 0, or all whose greatest deformation is wanted,
-// where it began or ceased to touch.
+// Remembers of one spring what the next step is held against, and how far its deformation is beyond
+// that from which it loads. Returns where it began or ceased to act within the step that ends now,
+// and for spring 0, or all whose greatest deformation is wanted, where it began or ceased to touch.
 LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features features, uint32_t index,
                                                  uint32_t number, const struct kernel_place *place,
-                                                 struct lanes reference, struct lanes_mask contact,
-                                                 struct lanes_mask loads, struct lanes_mask unloads,
+                                                 struct lanes reference, struct lanes beyond,
+                                                 struct lanes_mask contact, struct lanes_mask loads,
+                                                 struct lanes_mask unloads,
                                                  struct kernel_event *event)
 {
     const uint32_t now = number % 2;
     const uint32_t before = 1 - now;
     lanes_store(event->edge[now], place->edge);
+    lanes_store(event->beyond, lanes_select(contact, beyond, lanes_set((double)NAN)));
     if (features.rounded) {
         lanes_store(event->slip[now], place->slip);
+        event->arc = lanes_and(place->arc, contact);
     }
     struct lanes_mask other = lanes_differ(event->loads[before], loads);
     event->loads[now] = loads;
@@ -260,17 +297,6 @@ LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features feature
         event->contact[now] = contact;
     }
     return other;
-}
-
-// Makes the first step of a bundle one in which nothing happened: the car came towards the barrier.
-LANES_INLINE void kernel_start_events(const struct kinematics_problem *problem,
-                                      struct kernel_scratch *scratch)
-{
-    const struct lanes way = lanes_set(problem->speed * problem->time_step);
-    for (uint32_t i = 0; i < problem->spring_count; i++) {
-        struct kernel_event *event = &scratch->springs[i].event;
-        lanes_store(event->deformation[2], lanes_sub(lanes_load(event->deformation[0]), way));
-    }
 }
 
 #endif

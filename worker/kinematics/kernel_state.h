@@ -19,15 +19,17 @@ enum {
 };
 
 // What event Verlet keeps of one spring, to find what happened within the step. Step n stands at n
-// modulo the number of places, so that the times before are there without being moved.
+// modulo 2, so that the time before is there without being moved.
 struct kernel_event {
-    double deformation[3][LANES]; // [m]
+    double deformation[2][LANES]; // [m]
     double edge[2][LANES];        // [m] kernel_place.edge
     double slip[2][LANES];        // [m] kernel_place.slip; of rounded barriers, in all schemes
     struct lanes_mask loads[2];   // where the load branch acted
     struct lanes_mask unloads[2]; // the same of the unload branch
     struct lanes_mask contact[2]; // where it touched
+    struct lanes_mask arc;        // where it touches the arc of a rounded edge
     double reference[LANES];      // [m] kernel_spring.reference before this time; with `crushed`
+    double beyond[LANES];  // [m] deformation less what it must exceed to load; NaN: no contact
     double force_x[LANES]; // [N] without what was made good of the step; kept while recording
     double force_y[LANES]; // [N]
 };
@@ -45,6 +47,22 @@ struct kernel_spring {
     struct kernel_event event;
 } __attribute__((aligned(64))); // so that no vector lies across two lines of the cache
 
+// What one spring may do within a step with its switch: its force has a share of what loading adds
+// to it, 1 while its deformation grows, 0 while it does not, or what holds it at rest. The time
+// that a step's forces act is 1.
+struct kernel_switch {
+    double growth[LANES]; // [m] of the deformation in a step, now; -INFINITY: it stays off
+    double gain[LANES];   // [m] of the growth, all springs' shares as they were at first
+    double share[LANES];
+    double mean[LANES];        // of the share
+    double force[2][LANES];    // [N] that loading adds, in vehicle axes
+    double backwards[LANES];   // [m] of the way of a step that this force adds in x
+    double turn[LANES];        // [rad] of its turn
+    double lever[LANES];       // growth that a turn adds, less `inverse` times the way in x
+    double own[LANES];         // [m] of the growth that this force adds
+    struct lanes_mask loading; // at first
+};
+
 // What a bundle needs beside registers.
 struct kernel_scratch {
     double coefficients[KERNEL_COEFFICIENTS] __attribute__((aligned(64)));
@@ -55,6 +73,7 @@ struct kernel_scratch {
     double made_good[3][LANES]; // [N, N, Nm]
     struct lanes_mask left;
     double left_at[LANES]; // [m] deformation
+    struct kernel_switch switches[KINEMATICS_SPRING_MAX];
 };
 
 // Place and change of place. The leapfrog schemes keep the way of one step in `rate`, Runge-Kutta
@@ -91,6 +110,7 @@ struct kernel_place {
     struct lanes projection;     // [m] y_P2
     struct lanes edge;           // [m] y_P2; for rounded barriers the margin to the nearer end
     struct lanes slip;           // [m] e where it slips off that end; set for rounded barriers only
+    struct lanes_mask arc;       // P2 lies on the arc; set for rounded barriers only
     struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
     struct lanes normal_y;       //
     struct lanes_mask projected; // P2 lies on the barrier
@@ -253,6 +273,7 @@ LANES_INLINE void kernel_round_edge(const struct kinematics_problem *problem,
     const struct lanes inner = lanes_fma(lanes_set(radius), highest, height);
     const struct lanes outer = lanes_sub(face, lanes_set(problem->far_y));
     const struct lanes slip = lanes_fms(lanes_set(radius), lanes_max(pose->sine, zero), along);
+    place->arc = meets;
     place->edge = lanes_min(inner, outer);
     place->slip = lanes_select(lanes_less(outer, inner), place->place, slip);
     place->place = lanes_select(meets, on_arc, lanes_select(above, slip, place->place));

@@ -4,6 +4,12 @@
 #include <glib.h>
 #include <math.h>
 
+// What a deformation's rate may gain in a step and still be taken for resting by event Verlet
+// [m/s2]: 1e-6 m of growth in a step of 1 ms. It is above what a step's errors leave of a spring
+// that has come to rest, which falls with the cube of the step, and far below what any spring's
+// force does, which is some hundred times as much.
+#define PROBLEM_REST_ACCELERATION 1.0
+
 // Appends a branch's points and says how the kernel finds them.
 static struct problem_curve problem_add_curve(struct kinematics_problem *problem,
                                               const struct kinematics_curve *from)
@@ -83,6 +89,7 @@ struct kinematics_problem *kinematics_create(const struct kinematics_setup *setu
     problem->far_y = setup->edge_y - setup->width;
     problem->edge_radius = setup->edge_radius;
     problem->time_step = setup->time_step;
+    problem->rest = PROBLEM_REST_ACCELERATION * setup->time_step * setup->time_step;
     problem->step_count = (uint32_t)steps;
     problem->integrator = setup->integrator;
     problem->features.rounded =

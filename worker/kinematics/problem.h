@@ -52,6 +52,7 @@ struct kinematics_problem {
     double far_y;       // [m] edge_y - width
     double edge_radius; // [m]
     double time_step;   // [s]
+    double rest;        // [m] growth of a deformation in a step that is taken for none
     uint32_t step_count;
     enum kinematics_integrator integrator;
     struct problem_features features;
