@@ -19,6 +19,24 @@
 #include "worker/kinematics/kernel_results.h"
 #include "worker/kinematics/kernel_turns.h"
 
+// Remembers the deformation beyond which a spring loads from now on.
+LANES_INLINE void kernel_keep_reference(const struct kinematics_problem *problem,
+                                        struct problem_features features, uint32_t number,
+                                        struct lanes s, struct lanes_mask contact,
+                                        struct lanes_mask loading, struct lanes reference,
+                                        struct kernel_spring *kept)
+{
+    if (features.events) {
+        const struct lanes next = lanes_add(s, lanes_set(problem->rest));
+        lanes_store(kept->reference[number % 2],
+                    features.crushed ? lanes_select(loading, next, reference) : next);
+    } else if (features.crushed) {
+        lanes_store(kept->reference[0], lanes_select(contact, lanes_max(reference, s), reference));
+    } else {
+        lanes_store(kept->reference[0], s);
+    }
+}
+
 // Forces of all springs at one time. `velocity` is NULL for the leapfrog schemes, which tell
 // loading from the deformation of the step before. `settled` says that this is a time of the
 // trajectory, not a Runge-Kutta stage on the way: only then is the deformation remembered.
@@ -33,42 +51,30 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
     const struct lanes zero = lanes_set(0.0);
     struct lanes sum_x = zero;
     struct lanes sum_y = zero;
-    struct lanes moment_x = zero;
-    struct lanes moment_y = zero;
+    struct lanes moment = zero;
     struct kernel_load load;
     load.contact = lanes_none();
-    struct lanes_mask other = lanes_none();
+    load.switches = (struct kernel_bits){0, 0, 0};
+    if (features.events) {
+        kernel_keep_pose(pose, number, &scratch->past);
+    }
+    uint32_t other = 0;
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         const struct problem_spring *spring = &problem->springs[i];
         struct kernel_spring *kept = &scratch->springs[i];
         const struct kernel_place place = kernel_place(problem, features, spring, at, pose);
         const struct lanes s = lanes_add(lanes_set(spring->reach), place.place);
         const struct lanes_mask contact = lanes_and_less(place.projected, zero, s);
-        const bool ring = features.events && !features.crushed;
-        const uint32_t now = number % 2;
         const struct lanes reference =
-            lanes_load(ring ? kept->event.deformation[1 - now] : kept->reference);
-        const struct lanes beyond = lanes_sub(s, reference);
+            lanes_load(kept->reference[features.events ? 1 - number % 2 : 0]);
         struct lanes_mask loading;
-        if (features.events) {
-            loading = lanes_and_less(contact, lanes_set(problem->rest), beyond);
-        } else if (velocity == NULL || features.crushed) {
+        if (velocity == NULL || features.crushed) {
             loading = lanes_and_less(contact, reference, s);
         } else {
             loading = lanes_and(contact, kernel_grows(spring, &place, pose, velocity));
         }
         if (settled) {
-            if (features.crushed) {
-                lanes_store(kept->reference,
-                            features.events
-                                ? lanes_select(loading, s, reference)
-                                : lanes_select(contact, lanes_max(reference, s), reference));
-            } else if (!ring) {
-                lanes_store(kept->reference, s);
-            }
-            if (features.events) {
-                lanes_store(kept->event.deformation[now], s);
-            }
+            kernel_keep_reference(problem, features, number, s, contact, loading, reference, kept);
             if (features.deepest) {
                 kernel_deepen(kept, contact, s);
             }
@@ -95,22 +101,23 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
 
         sum_x = lanes_add(sum_x, x);
         sum_y = lanes_add(sum_y, y);
-        moment_x = lanes_fma(lanes_set(spring->position_y), x, moment_x);
-        moment_y = lanes_fma(place.place, y, moment_y);
+        moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
+        moment = lanes_fma(place.place, y, moment);
         if (features.work || recording) {
             lanes_store(kept->force_x, x);
             lanes_store(kept->force_y, y);
         }
-        if (features.work || features.events || recording) {
+        if (features.work || features.rounded || recording) {
             lanes_store(kept->place, place.place);
         }
         if (recording) {
             lanes_store(kept->contact, lanes_keep(contact, lanes_set(1.0)));
         }
-        load.contact = lanes_or(load.contact, contact);
-        if (features.events) {
-            other = lanes_or(other, kernel_keep_event(features, i, number, &place, reference,
-                                                      beyond, contact, acts, gives, &kept->event));
+        if (!features.events) {
+            load.contact = lanes_or(load.contact, contact);
+        } else {
+            other |= kernel_keep_event(features, i, number, &place, s, contact, loading, acts,
+                                       gives, &kept->event, &load.switches);
             if (recording) {
                 lanes_store(scratch->springs[i].event.force_x, x);
                 lanes_store(scratch->springs[i].event.force_y, y);
@@ -134,12 +141,16 @@ kernel_forces(const struct kinematics_problem *problem, struct problem_features 
             }
         }
     }
-    load.moment = lanes_sub(moment_y, moment_x);
+    if (features.events) {
+        load.contact = lanes_from_bits(load.switches.contact);
+    }
+    load.moment = moment;
     load.x = lanes_fms(pose->cosine, sum_x, lanes_mul(pose->sine, sum_y));
     load.felt = load.x;
-    if (features.events && weight > 0.0 && __builtin_expect(lanes_any(other), false)) {
+    if (features.events && weight > 0.0 && __builtin_expect(other != 0, false)) {
         scratch->left = lanes_none();
-        kernel_find_events(problem, features, number, weight, pose, scratch);
+        const struct kernel_pose copy = *pose; // so that registers may keep the bundle's own
+        kernel_find_events(problem, features, number, weight, &copy, scratch);
         load.first_deformation =
             lanes_select(scratch->left, lanes_load(scratch->left_at), load.first_deformation);
         load.first_contact = lanes_or(load.first_contact, scratch->left);
@@ -221,6 +232,19 @@ LANES_INLINE void kernel_record(const struct kinematics_problem *problem,
     }
 }
 
+// The way of a step after the forces have acted over `weight` of one.
+LANES_INLINE struct kernel_motion kernel_kicked(const struct kinematics_problem *problem,
+                                                const struct kernel_motion *way,
+                                                const struct kernel_load *load, double weight)
+{
+    const double dt = problem->time_step;
+    const struct lanes kick = lanes_set(weight * (dt * dt / problem->mass));
+    const struct lanes kick_yaw = lanes_set(weight * (dt * dt / problem->yaw_inertia));
+    return (struct kernel_motion){lanes_fma(load->x, kick, way->x),
+                                  lanes_fma(load->y, kick, way->y),
+                                  lanes_fma(load->moment, kick_yaw, way->yaw)};
+}
+
 // Central difference, velocity Verlet and event Verlet are one scheme: with the way of a step d,
 // eq. 6.41 reads d += a dt^2, q += d. `weight` is the part of a step over which the forces of one
 // time act: half a step at the end, which gives the velocity there, and at the start half a step
@@ -232,8 +256,6 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
                 struct kernel_observed *observed, double *rows, struct kernel_scratch *scratch)
 {
     const double dt = problem->time_step;
-    const double kick = dt * dt / problem->mass;
-    const double kick_yaw = dt * dt / problem->yaw_inertia;
     const double start_weight = problem->integrator == KINEMATICS_CENTRAL_DIFFERENCE ? 0.0 : 0.5;
     struct kernel_motion way = {lanes_set(-problem->speed * dt), lanes_set(0.0), lanes_set(0.0)};
     struct kernel_load load;
@@ -243,17 +265,23 @@ kernel_leapfrog(const struct kinematics_problem *problem, struct problem_feature
         *pose = kernel_pose(at);
         load = kernel_forces(problem, features, at, pose, NULL, true, step,
                              step == 0 ? 0.0 : weight, rows != NULL, scratch);
+        struct kernel_motion next = kernel_kicked(problem, &way, &load, weight);
         if (features.events && step > 0) {
-            kernel_turns(problem, features, at, &way, pose, step, weight, rows != NULL, &load,
-                         scratch);
+            const uint32_t turning =
+                kernel_turning(problem, features, step, at, &next, pose, &load.switches, scratch);
+            if (__builtin_expect(turning != 0, false)) {
+                const struct kernel_moment moment = {*at,    way,  *pose,   load,
+                                                     weight, step, turning, rows != NULL};
+                kernel_switch_all(problem, features, &moment, scratch);
+                kernel_switch_apply(pose, scratch, &load);
+                next = kernel_kicked(problem, &way, &load, weight);
+            }
         }
         if (weight > 0.0) {
             kernel_observe(pose, &load, observed);
         }
         const struct kernel_motion before = way;
-        way.x = lanes_fma(load.x, lanes_set(weight * kick), way.x);
-        way.y = lanes_fma(load.y, lanes_set(weight * kick), way.y);
-        way.yaw = lanes_fma(load.moment, lanes_set(weight * kick_yaw), way.yaw);
+        way = next;
         if (features.work) {
             struct kernel_motion twice = {lanes_add(before.x, way.x), lanes_add(before.y, way.y),
                                           lanes_add(before.yaw, way.yaw)};
@@ -369,13 +397,9 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
     kernel_coefficients(problem, count, values, stride, scratch->coefficients);
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         // The vehicle comes towards the barrier, so at time 0 every spring loads.
-        lanes_store(scratch->springs[i].reference, lanes_set(-INFINITY));
-        if (features.events) {
-            lanes_store(scratch->springs[i].event.deformation[1], lanes_set(-INFINITY));
-        }
-        if (features.rounded) {
-            scratch->springs[i].event.contact[1] = lanes_none(); // before time 0 nothing touches
-        }
+        lanes_store(scratch->springs[i].reference[0], lanes_set(-INFINITY));
+        lanes_store(scratch->springs[i].reference[1], lanes_set(-INFINITY));
+        scratch->springs[i].event.contact[1] = 0; // before time 0 nothing touches
         lanes_store(scratch->springs[i].work, zero);
         lanes_store(scratch->springs[i].deepest, zero);
     }
@@ -395,40 +419,47 @@ LANES_INLINE void kernel_bundle(const struct kinematics_problem *problem,
 // All designs, bundle by bundle. What most problems lack is left out of the variants for flat
 // barriers without unload branches, which are the fast ones; the arithmetic that all do is the
 // same. There is one for the defaults, event Verlet with `crushed`, and one for the thesis's pair,
-// central difference with `thesis`; who mixes them takes the general one.
+// central difference with `thesis`; who mixes them takes the general one. Of the defaults there is
+// one more for who wants neither work nor greatest deformations, which is what searches want.
 LANES_INLINE void kernel_evaluate(const struct kinematics_problem *problem, uint32_t count,
                                   const double *values, double *results, size_t stride,
                                   double *rows)
 {
     const struct problem_features features = problem->features;
-    const struct problem_features none = {.work = features.work, .deepest = features.deepest};
-    const struct problem_features late = {
-        .work = features.work, .deepest = features.deepest, .late_start = true};
-    const struct problem_features events = {
-        .work = features.work, .deepest = features.deepest, .events = true, .crushed = true};
-    const struct problem_features both = {.work = features.work,
-                                          .deepest = features.deepest,
-                                          .events = true,
-                                          .crushed = true,
-                                          .late_start = true};
     const bool runge_kutta = problem->integrator == KINEMATICS_RUNGE_KUTTA_4;
     const bool plain = !features.rounded && !features.unload && features.crushed == features.events;
+    const bool lean = !features.work && !features.deepest;
     struct kernel_scratch scratch;
     for (uint32_t first = 0; first < count; first += LANES) {
         const uint32_t left = count - first;
 #define BUNDLE(these_features)                                                                   \
     kernel_bundle(problem, these_features, false, left, values + first, results + first, stride, \
                   rows, &scratch)
+#define FEATURES(...)                                                   \
+    (struct problem_features)                                           \
+    {                                                                   \
+        .work = features.work, .deepest = features.deepest, __VA_ARGS__ \
+    }
         if (runge_kutta) {
             kernel_bundle(problem, features, true, left, values + first, results + first, stride,
                           rows, &scratch);
         } else if (!plain) {
             BUNDLE(features);
+        } else if (features.events && features.late_start && lean) {
+            BUNDLE(
+                ((struct problem_features){.events = true, .crushed = true, .late_start = true}));
+        } else if (features.events && lean) {
+            BUNDLE(((struct problem_features){.events = true, .crushed = true}));
+        } else if (features.events && features.late_start) {
+            BUNDLE(FEATURES(.events = true, .crushed = true, .late_start = true));
         } else if (features.events) {
-            features.late_start ? BUNDLE(both) : BUNDLE(events);
+            BUNDLE(FEATURES(.events = true, .crushed = true));
+        } else if (features.late_start) {
+            BUNDLE(FEATURES(.late_start = true));
         } else {
-            features.late_start ? BUNDLE(late) : BUNDLE(none);
+            BUNDLE(FEATURES(.late_start = false));
         }
+#undef FEATURES
 #undef BUNDLE
     }
 }

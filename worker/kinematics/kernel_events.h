@@ -27,8 +27,8 @@ struct kernel_step {
     struct lanes slip;        // share of the step at which it met or left the face
     struct lanes_mask outside_before, outside;
     struct lanes end;      // at which leaving the face ended its force, 1 where it did not
-    struct lanes again;    // share at which it passed its greatest deformation; with `crushed`
-    struct lanes_mask gap; // where it had been less deformed before
+    struct lanes missing;  // [m] before, to its greatest deformation; with `crushed`
+    struct lanes_mask gap; // where that was more than rounding
 };
 
 // a / (a - b): where the line from a to b is 0.
@@ -63,16 +63,20 @@ LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
     if (!lanes_any(changed)) {
         return;
     }
-    const struct lanes reach =
-        kernel_crossing(lanes_sub(step->before, start), lanes_sub(step->deformation, start));
     // It ends with the first thing that forbids it and begins once nothing does any more.
     struct lanes end = step->end;
-    end = lanes_select(short_now, lanes_min(reach, end), end);
     struct lanes begin = lanes_set(0.0);
     begin = lanes_select(step->outside_before, lanes_max(step->slip, begin), begin);
-    begin = lanes_select(short_before, lanes_max(reach, begin), begin);
-    if (loading) {
-        begin = lanes_select(step->gap, lanes_max(step->again, begin), begin);
+    if (lanes_any(lanes_or(short_before, short_now))) {
+        const struct lanes reach =
+            kernel_crossing(lanes_sub(step->before, start), lanes_sub(step->deformation, start));
+        end = lanes_select(short_now, lanes_min(reach, end), end);
+        begin = lanes_select(short_before, lanes_max(reach, begin), begin);
+    }
+    if (loading && lanes_any(step->gap)) {
+        const struct lanes again =
+            lanes_div(step->missing, lanes_sub(step->deformation, step->before));
+        begin = lanes_select(step->gap, lanes_max(again, begin), begin);
     }
 
     const struct lanes moment = lanes_select(ended, end, begin);
@@ -91,6 +95,58 @@ LANES_INLINE void kernel_make_good(const struct kinematics_problem *problem,
         lanes_mul(scale, lanes_fms(share, lanes_add(near_y, there_y), near_y));
     *x = lanes_add(*x, lanes_keep(changed, more_x));
     *y = lanes_add(*y, lanes_keep(changed, more_y));
+}
+
+// Notes a pose, so that a spring's place can be worked out again, to the same bits.
+LANES_INLINE void kernel_keep_pose(const struct kernel_pose *pose, uint32_t number,
+                                   struct kernel_past *past)
+{
+    const uint32_t now = number % 2;
+    lanes_store(past->inverse[now], pose->inverse);
+    lanes_store(past->tangent[now], pose->tangent);
+    lanes_store(past->axial[now], pose->axial);
+    lanes_store(past->crossing[now], pose->crossing);
+}
+
+// e of spring `index` at step `number`, which is this one or the one before.
+LANES_INLINE struct lanes kernel_past_place(const struct kinematics_problem *problem,
+                                            struct problem_features features, uint32_t index,
+                                            uint32_t number, const struct kernel_scratch *scratch)
+{
+    if (features.rounded) {
+        return lanes_load(scratch->springs[index].place);
+    }
+    const struct kernel_past *past = &scratch->past;
+    return lanes_fms(lanes_set(problem->springs[index].position_y),
+                     lanes_load(past->tangent[number % 2]), lanes_load(past->axial[number % 2]));
+}
+
+LANES_INLINE struct lanes kernel_past_deformation(const struct kinematics_problem *problem,
+                                                  struct problem_features features, uint32_t index,
+                                                  uint32_t number,
+                                                  const struct kernel_scratch *scratch)
+{
+    if (features.rounded) {
+        return lanes_load(scratch->springs[index].event.deformation[number % 2]);
+    }
+    return lanes_add(lanes_set(problem->springs[index].reach),
+                     kernel_past_place(problem, features, index, number, scratch));
+}
+
+// How far P2 lay inside the nearer end of the face [m].
+LANES_INLINE struct lanes kernel_past_margin(const struct kinematics_problem *problem,
+                                             struct problem_features features, uint32_t index,
+                                             uint32_t number, const struct kernel_scratch *scratch)
+{
+    if (features.rounded) {
+        return lanes_load(scratch->springs[index].event.edge[number % 2]);
+    }
+    const struct kernel_past *past = &scratch->past;
+    const struct lanes projection =
+        lanes_fma(lanes_set(problem->springs[index].position_y),
+                  lanes_load(past->inverse[number % 2]), lanes_load(past->crossing[number % 2]));
+    return lanes_min(lanes_sub(lanes_set(problem->edge_y), projection),
+                     lanes_sub(projection, lanes_set(problem->far_y)));
 }
 
 // The share of the step at which a spring that slipped off ceased to load. On a rounded edge it
@@ -120,34 +176,33 @@ LANES_INLINE struct lanes kernel_arc_end(const struct kinematics_problem *proble
 
 // The step of one spring, from what was kept of it.
 LANES_INLINE struct kernel_step kernel_step_of(const struct kinematics_problem *problem,
-                                               struct problem_features features, uint32_t number,
-                                               const struct kernel_pose *pose,
-                                               const struct kernel_event *event)
+                                               struct problem_features features, uint32_t index,
+                                               uint32_t number, const struct kernel_pose *pose,
+                                               const struct kernel_scratch *scratch)
 {
-    const uint32_t now = number % 2;
-    const uint32_t before = 1 - now;
     const struct lanes zero = lanes_set(0.0);
-    struct kernel_step step;
-    step.deformation = lanes_load(event->deformation[now]);
-    step.before = lanes_load(event->deformation[before]);
-    const struct lanes margin = kernel_edge_margin(problem, features, lanes_load(event->edge[now]));
+    const struct kernel_spring *kept = &scratch->springs[index];
+    const struct lanes margin = kernel_past_margin(problem, features, index, number, scratch);
     const struct lanes margin_before =
-        kernel_edge_margin(problem, features, lanes_load(event->edge[before]));
+        kernel_past_margin(problem, features, index, number + 1, scratch);
+    struct kernel_step step;
+    step.deformation = kernel_past_deformation(problem, features, index, number, scratch);
+    step.before = kernel_past_deformation(problem, features, index, number + 1, scratch);
     step.slip = kernel_crossing(margin_before, margin);
     step.outside_before = lanes_less(margin_before, zero);
     step.outside = lanes_less(margin, zero);
-    step.end = lanes_set(1.0);
-    step.end = lanes_select(step.outside, step.slip, step.end);
+    step.end = lanes_select(step.outside, step.slip, lanes_set(1.0));
     if (features.rounded) {
-        step.end = kernel_arc_end(problem, &step, pose, event, number, margin_before, margin);
+        step.end =
+            kernel_arc_end(problem, &step, pose, &kept->event, number, margin_before, margin);
     }
-    step.again = zero;
+    step.missing = zero;
     step.gap = lanes_none();
     if (features.crushed) {
-        const struct lanes reference = lanes_load(event->reference);
-        const struct lanes gap = lanes_sub(reference, step.before);
-        step.gap = lanes_less(lanes_set(problem->rest), gap);
-        step.again = lanes_div(gap, lanes_sub(step.deformation, step.before));
+        const struct lanes rest = lanes_set(problem->rest);
+        const struct lanes reference = lanes_sub(lanes_load(kept->reference[1 - number % 2]), rest);
+        step.missing = lanes_sub(reference, step.before);
+        step.gap = lanes_less(rest, step.missing);
     }
     return step;
 }
@@ -191,12 +246,13 @@ LANES_INLINE struct lanes_mask kernel_slipped(const struct problem_spring *sprin
     const struct lanes slip_before = lanes_load(event->slip[before]);
     const struct lanes share = kernel_crossing(edge_before, place->edge);
     const struct lanes slip = lanes_fma(share, lanes_sub(place->slip, slip_before), slip_before);
-    const struct lanes_mask left =
-        lanes_and_not(lanes_and_less(event->contact[before], place->edge, lanes_set(0.0)), contact);
+    const struct lanes_mask left = lanes_and_not(
+        lanes_and_less(lanes_from_bits(event->contact[before]), place->edge, lanes_set(0.0)),
+        contact);
     *left_at = lanes_add(lanes_set(spring->reach), slip);
     lanes_store(event->edge[now], place->edge);
     lanes_store(event->slip[now], place->slip);
-    event->contact[now] = contact;
+    event->contact[now] = lanes_bits(contact);
     return left;
 }
 
@@ -220,24 +276,27 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
     for (uint32_t i = 0; i < problem->spring_count; i++) {
         const struct problem_spring *spring = &problem->springs[i];
         struct kernel_spring *kept = &scratch->springs[i];
-        const struct kernel_event *event = &scratch->springs[i].event;
+        const struct kernel_event *event = &kept->event;
         const bool unload = features.unload && spring->unload.point_count > 0;
-        const bool other = lanes_any(lanes_differ(event->loads[before], event->loads[now])) ||
-                           (unload && lanes_any(lanes_differ(event->unloads[before], //
-                                                             event->unloads[now])));
-        const bool parted = (i == 0 || features.deepest) &&
-                            lanes_any(lanes_and_not(event->contact[before], event->contact[now]));
-        if (!other && !parted) {
+        const uint32_t parted =
+            i == 0 || features.deepest ? event->contact[before] & ~event->contact[now] : 0;
+        uint32_t other = event->loads[before] ^ event->loads[now];
+        if (unload) {
+            other |= event->unloads[before] ^ event->unloads[now];
+        }
+        if (other == 0 && parted == 0) {
             continue;
         }
-        const struct kernel_step step = kernel_step_of(problem, features, number, pose, event);
+        const struct kernel_step step = kernel_step_of(problem, features, i, number, pose, scratch);
         struct lanes x = zero;
         struct lanes y = zero;
         kernel_make_good(problem, &spring->load, scratch->coefficients, &step, true,
-                         event->loads[before], event->loads[now], inverse, &x, &y);
+                         lanes_from_bits(event->loads[before]), lanes_from_bits(event->loads[now]),
+                         inverse, &x, &y);
         if (unload) {
             kernel_make_good(problem, &spring->unload, scratch->coefficients, &step, false,
-                             event->unloads[before], event->unloads[now], inverse, &x, &y);
+                             lanes_from_bits(event->unloads[before]),
+                             lanes_from_bits(event->unloads[now]), inverse, &x, &y);
         }
         if (features.work) {
             lanes_store(kept->force_x, lanes_add(lanes_load(kept->force_x), x));
@@ -245,11 +304,10 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
         }
         sum_x = lanes_add(sum_x, x);
         sum_y = lanes_add(sum_y, y);
-        moment = lanes_fma(lanes_load(kept->place), y, moment);
+        moment = lanes_fma(kernel_past_place(problem, features, i, number, scratch), y, moment);
         moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
-        if (parted) {
-            const struct lanes_mask left =
-                lanes_and_not(lanes_and(event->contact[before], step.outside), event->contact[now]);
+        if (parted != 0) {
+            const struct lanes_mask left = lanes_and(lanes_from_bits(parted), step.outside);
             const struct lanes left_at = kernel_left_at(features, spring, number, event, &step);
             if (i == 0) {
                 scratch->left = left;
@@ -265,36 +323,37 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
     lanes_store(scratch->made_good[2], moment);
 }
 
-// Remembers of one spring what the next step is held against, and how far its deformation is beyond
-// that from which it loads. Returns where it began or ceased to act within the step that ends now,
-// and for spring 0, or all whose greatest deformation is wanted, where it began or ceased to touch.
-LANES_INLINE struct lanes_mask kernel_keep_event(struct problem_features features, uint32_t index,
-                                                 uint32_t number, const struct kernel_place *place,
-                                                 struct lanes reference, struct lanes beyond,
-                                                 struct lanes_mask contact, struct lanes_mask loads,
-                                                 struct lanes_mask unloads,
-                                                 struct kernel_event *event)
+// Remembers of one spring what the next step is held against. Returns, as bits, where it began or
+// ceased to act within the step that ends now, and for spring 0, or all whose greatest deformation
+// is wanted, where it began or ceased to touch.
+LANES_INLINE uint32_t kernel_keep_event(struct problem_features features, uint32_t index,
+                                        uint32_t number, const struct kernel_place *place,
+                                        struct lanes deformation, struct lanes_mask contact,
+                                        struct lanes_mask loading, struct lanes_mask loads,
+                                        struct lanes_mask unloads, struct kernel_event *event,
+                                        struct kernel_bits *switches)
 {
     const uint32_t now = number % 2;
     const uint32_t before = 1 - now;
-    lanes_store(event->edge[now], place->edge);
-    lanes_store(event->beyond, lanes_select(contact, beyond, lanes_set((double)NAN)));
-    if (features.rounded) {
-        lanes_store(event->slip[now], place->slip);
-        event->arc = lanes_and(place->arc, contact);
-    }
-    struct lanes_mask other = lanes_differ(event->loads[before], loads);
-    event->loads[now] = loads;
+    event->contact[now] = lanes_bits(contact);
+    event->loading = lanes_bits(loading);
+    switches->contact |= event->contact[now];
+    switches->loading |= event->loading;
+    switches->idle |= event->contact[now] & ~event->loading;
+    event->loads[now] = features.late_start ? lanes_bits(loads) : event->loading;
+    uint32_t other = event->loads[before] ^ event->loads[now];
     if (features.unload) {
-        other = lanes_or(other, lanes_differ(event->unloads[before], unloads));
-        event->unloads[now] = unloads;
-    }
-    if (features.crushed) {
-        lanes_store(event->reference, reference);
+        event->unloads[now] = lanes_bits(unloads);
+        other |= event->unloads[before] ^ event->unloads[now];
     }
     if (index == 0 || features.deepest) {
-        other = lanes_or(other, lanes_differ(event->contact[before], contact));
-        event->contact[now] = contact;
+        other |= event->contact[before] ^ event->contact[now];
+    }
+    if (features.rounded) {
+        lanes_store(event->deformation[now], deformation);
+        lanes_store(event->edge[now], place->edge);
+        lanes_store(event->slip[now], place->slip);
+        event->arc = lanes_bits(lanes_and(place->arc, contact));
     }
     return other;
 }

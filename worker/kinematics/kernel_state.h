@@ -19,17 +19,18 @@ enum {
 };
 
 // What event Verlet keeps of one spring, to find what happened within the step. Step n stands at n
-// modulo 2, so that the time before is there without being moved.
+// modulo 2, so that the time before is there without being moved. Of flat barriers deformations and
+// edges follow from the poses (kernel_past), and are worked out again where they are asked for.
 struct kernel_event {
+    uint32_t contact[2]; // bits of the designs that touched
+    uint32_t loads[2];   // where the load branch acted
+    uint32_t unloads[2]; // the same of the unload branch
+    uint32_t loading;    // where it loads now, beyond the curve's first point or not
+    uint32_t arc;        // where it touches the arc of a rounded edge
+    // Of rounded barriers; the last two in all schemes.
     double deformation[2][LANES]; // [m]
     double edge[2][LANES];        // [m] kernel_place.edge
-    double slip[2][LANES];        // [m] kernel_place.slip; of rounded barriers, in all schemes
-    struct lanes_mask loads[2];   // where the load branch acted
-    struct lanes_mask unloads[2]; // the same of the unload branch
-    struct lanes_mask contact[2]; // where it touched
-    struct lanes_mask arc;        // where it touches the arc of a rounded edge
-    double reference[LANES];      // [m] kernel_spring.reference before this time; with `crushed`
-    double beyond[LANES];  // [m] deformation less what it must exceed to load; NaN: no contact
+    double slip[2][LANES];        // [m] kernel_place.slip
     double force_x[LANES]; // [N] without what was made good of the step; kept while recording
     double force_y[LANES]; // [N]
 };
@@ -37,15 +38,25 @@ struct kernel_event {
 // What a bundle keeps of one spring. The parts stand side by side: as arrays of their own they
 // would lie whole pages apart, where the machine mistakes a store for a load's.
 struct kernel_spring {
-    double reference[LANES]; // [m] deformation beyond which the spring loads
-    double force_x[LANES];   // [N] in vehicle axes
-    double force_y[LANES];   // [N]
-    double place[LANES];     // [m] e
-    double work[LANES];      // [J] done on the vehicle so far; the leapfrog schemes keep it twice
-    double deepest[LANES];   // [m] greatest deformation in contact; kept only where it is wanted
-    double contact[LANES];   // 0 or 1; kept only while recording
+    // [m] deformation beyond which the spring loads. The two of event Verlet are of step n modulo 2
+    // and lie problem.rest higher; the others have one.
+    double reference[2][LANES];
+    double force_x[LANES]; // [N] in vehicle axes
+    double force_y[LANES]; // [N]
+    double place[LANES];   // [m] e
+    double work[LANES];    // [J] done on the vehicle so far; the leapfrog schemes keep it twice
+    double deepest[LANES]; // [m] greatest deformation in contact; kept only where it is wanted
+    double contact[LANES]; // 0 or 1; kept only while recording
     struct kernel_event event;
 } __attribute__((aligned(64))); // so that no vector lies across two lines of the cache
+
+// The poses of event Verlet's last two times, step n at n modulo 2, as springs need them.
+struct kernel_past {
+    double inverse[2][LANES];
+    double tangent[2][LANES];
+    double axial[2][LANES];
+    double crossing[2][LANES];
+};
 
 // What one spring may do within a step with its switch: its force has a share of what loading adds
 // to it, 1 while its deformation grows, 0 while it does not, or what holds it at rest. The time
@@ -54,13 +65,12 @@ struct kernel_switch {
     double growth[LANES]; // [m] of the deformation in a step, now; -INFINITY: it stays off
     double gain[LANES];   // [m] of the growth, all springs' shares as they were at first
     double share[LANES];
-    double mean[LANES];        // of the share
-    double force[2][LANES];    // [N] that loading adds, in vehicle axes
-    double backwards[LANES];   // [m] of the way of a step that this force adds in x
-    double turn[LANES];        // [rad] of its turn
-    double lever[LANES];       // growth that a turn adds, less `inverse` times the way in x
-    double own[LANES];         // [m] of the growth that this force adds
-    struct lanes_mask loading; // at first
+    double mean[LANES];      // of the share
+    double force[2][LANES];  // [N] that loading adds, in vehicle axes
+    double backwards[LANES]; // [m] of the way of a step that this force adds in x
+    double turn[LANES];      // [rad] of its turn
+    double lever[LANES];     // growth that a turn adds, less `inverse` times the way in x
+    double own[LANES];       // [m] of the growth that this force adds
 };
 
 // What a bundle needs beside registers.
@@ -73,6 +83,7 @@ struct kernel_scratch {
     double made_good[3][LANES]; // [N, N, Nm]
     struct lanes_mask left;
     double left_at[LANES]; // [m] deformation
+    struct kernel_past past;
     struct kernel_switch switches[KINEMATICS_SPRING_MAX];
 };
 
@@ -93,6 +104,13 @@ struct kernel_pose {
     struct lanes_mask forwards; // cos > 0
 };
 
+// What the springs' switches say together, a bit a design.
+struct kernel_bits {
+    uint32_t contact; // some spring touches
+    uint32_t loading; // some spring loads
+    uint32_t idle;    // some spring touches and does not load
+};
+
 // Sums over the springs, and what spring 0 did.
 struct kernel_load {
     struct lanes x, y;   // [N] in road axes
@@ -102,13 +120,15 @@ struct kernel_load {
     struct lanes_mask first_contact;
     struct lanes first_deformation; // [m]
     struct lanes first_projection;  // [m] y_P2
+    struct kernel_bits switches;    // of event Verlet
 };
 
 // Where one spring is.
 struct kernel_place {
     struct lanes place;          // [m] e
     struct lanes projection;     // [m] y_P2
-    struct lanes edge;           // [m] y_P2; for rounded barriers the margin to the nearer end
+    struct lanes edge;           // [m] how far P2 lies inside the nearer end of the face, below 0
+                                 // outside; set for rounded barriers only
     struct lanes slip;           // [m] e where it slips off that end; set for rounded barriers only
     struct lanes_mask arc;       // P2 lies on the arc; set for rounded barriers only
     struct lanes normal_x;       // of the barrier at P2; set for rounded barriers only
@@ -219,21 +239,6 @@ LANES_INLINE struct kernel_pose kernel_pose(const struct kernel_motion *at)
     return pose;
 }
 
-// How far P2 lies inside the nearer end of the face [m]; below 0 outside.
-LANES_INLINE struct lanes kernel_margin(const struct kinematics_problem *problem,
-                                        struct lanes projection)
-{
-    return lanes_min(lanes_sub(lanes_set(problem->edge_y), projection),
-                     lanes_sub(projection, lanes_set(problem->far_y)));
-}
-
-// The same of kernel_place.edge.
-LANES_INLINE struct lanes kernel_edge_margin(const struct kinematics_problem *problem,
-                                             struct problem_features features, struct lanes edge)
-{
-    return features.rounded ? edge : kernel_margin(problem, edge);
-}
-
 // Moves P2 from the plane of the face onto the quarter circle where the spring's line crosses the
 // plane above it. With the line's distance h from the circle's centre, P2 lies sqrt(r^2 - h^2)
 // before the centre's foot on the line. A line that misses the quarter circle has no projection.
@@ -299,8 +304,6 @@ LANES_INLINE struct kernel_place kernel_place(const struct kinematics_problem *p
         lanes_set(problem->far_y), place.projection);
     place.normal_x = lanes_set(1.0);
     place.normal_y = lanes_set(0.0);
-    place.edge = place.projection;
-    place.slip = place.place;
     if (features.rounded) {
         kernel_round_edge(problem, spring, at, pose, &place);
         place.projected = lanes_and(place.projected, pose->forwards);

@@ -14,10 +14,23 @@
 #include "worker/kinematics/kernel_events.h"
 
 enum {
+    KERNEL_ALL = (1 << LANES) - 1, // bits of all designs
     // Several springs held at once share what moves them; each sweep leaves a small part of it.
     KERNEL_SWITCH_SWEEPS = 4,
     KERNEL_SWITCH_EVENTS = 8, // in a step of one design; what is left then goes on as it was
     KERNEL_ARC_HALVINGS = 12, // to find a turn on the rounded edge to 1/4096 of a step
+};
+
+// The time of the forces whose switches are worked out. It is a copy, so that the machine's
+// registers may keep the bundle's own.
+struct kernel_moment {
+    struct kernel_motion at, way; // `way` before the forces
+    struct kernel_pose pose;
+    struct kernel_load load;
+    double weight;
+    uint32_t number;  // of the step
+    uint32_t turning; // bits of the designs to look at
+    bool recording;
 };
 
 // What a step's forces and its way add to the growth of the deformations, and what it takes to say
@@ -31,11 +44,13 @@ struct kernel_gain {
 };
 
 LANES_INLINE struct kernel_gain kernel_gain(const struct kinematics_problem *problem,
-                                            const struct kernel_motion *at,
-                                            const struct kernel_motion *way,
-                                            const struct kernel_pose *pose,
-                                            const struct kernel_load *load, double weight)
+                                            const struct kernel_moment *moment)
 {
+    const struct kernel_motion *at = &moment->at;
+    const struct kernel_motion *way = &moment->way;
+    const struct kernel_pose *pose = &moment->pose;
+    const struct kernel_load *load = &moment->load;
+    const double weight = moment->weight;
     const double dt = problem->time_step;
     struct kernel_gain gain;
     gain.kick = weight * dt * dt / problem->mass;
@@ -62,26 +77,50 @@ LANES_INLINE struct kernel_gain kernel_gain(const struct kinematics_problem *pro
     return gain;
 }
 
-// Which designs have a spring whose switch turns in this step, or that is held, or that lies on the
-// rounded edge.
-LANES_INLINE struct lanes_mask kernel_turning(const struct kinematics_problem *problem,
-                                              struct problem_features features,
-                                              const struct kernel_gain *gain,
-                                              const struct kernel_scratch *scratch)
+// Which designs, as bits, have a spring whose switch turns in this step, or that is held, or that
+// lies on the rounded edge: the growth is told from the way after the step's forces, `next`.
+LANES_INLINE uint32_t kernel_turning(const struct kinematics_problem *problem,
+                                     struct problem_features features, uint32_t number,
+                                     const struct kernel_motion *at,
+                                     const struct kernel_motion *next,
+                                     const struct kernel_pose *pose,
+                                     const struct kernel_bits *switches,
+                                     const struct kernel_scratch *scratch)
 {
-    const struct lanes rest = lanes_set(problem->rest);
-    struct lanes_mask turning = lanes_none();
+    // (yaw' Y - x') / cos, half a step on: with half of what the way itself adds in a step.
+    const struct lanes tangent = pose->tangent;
+    const struct lanes turn = lanes_mul(next->yaw, pose->inverse);
+    const struct lanes swing = lanes_fma(next->yaw, tangent, lanes_set(1.0));
+    const struct lanes across = lanes_mul(lanes_mul(turn, pose->inverse), swing);
+    const struct lanes squares =
+        lanes_fma(tangent, tangent, lanes_mul(pose->inverse, pose->inverse));
+    const struct lanes lever = lanes_fma(lanes_mul(lanes_set(0.5), next->yaw), squares, tangent);
+    const struct lanes along =
+        lanes_fma(lanes_mul(at->x, next->yaw), lever, lanes_mul(next->x, swing));
+    const struct lanes least =
+        lanes_fma(along, pose->inverse, lanes_set(problem->rest)); // across p_y exceeds
+    // Growth is linear in p_y: what all springs do the outermost two do.
+    const uint32_t lowest =
+        lanes_bits(lanes_less(least, lanes_mul(across, lanes_set(problem->lowest_y))));
+    const uint32_t highest =
+        lanes_bits(lanes_less(least, lanes_mul(across, lanes_set(problem->highest_y))));
+    const uint32_t clear =
+        (lowest & highest & ~switches->idle) | ~(lowest | highest | switches->loading);
+    if (!features.rounded && __builtin_expect((~clear & KERNEL_ALL) == 0, true)) {
+        return 0;
+    }
+    uint32_t turning = 0;
+    uint32_t arc = 0;
     for (uint32_t i = 0; i < problem->spring_count; i++) {
+        const struct kernel_event *event = &scratch->springs[i].event;
         const struct lanes position_y = lanes_set(problem->springs[i].position_y);
-        const struct lanes beyond = lanes_load(scratch->springs[i].event.beyond);
-        const struct lanes then =
-            lanes_add(beyond, lanes_fma(gain->across, position_y, gain->along));
-        turning = lanes_or(turning, lanes_differ(lanes_less(rest, beyond), lanes_less(rest, then)));
+        const uint32_t grows = lanes_bits(lanes_less(least, lanes_mul(across, position_y)));
+        turning |= event->loading ^ (grows & event->contact[number % 2]);
         if (features.rounded) {
-            turning = lanes_or(turning, scratch->springs[i].event.arc);
+            arc |= event->arc;
         }
     }
-    return turning;
+    return (turning & ~clear) | arc;
 }
 
 // How the deformation of a spring on the rounded edge grows at `time` of a step, 0 being the time
@@ -125,11 +164,10 @@ LANES_INLINE struct lanes kernel_arc_growth(const struct kernel_arc *arc, struct
 
 // The share of the forces' time after which a spring on the rounded edge ceases to load, 2 where it
 // does not.
-LANES_INLINE struct lanes
-kernel_arc_turn(const struct kinematics_problem *problem, const struct problem_spring *spring,
-                const struct kernel_motion *at, const struct kernel_motion *way,
-                const struct kernel_pose *pose, const struct kernel_load *load,
-                const struct kernel_gain *gain)
+LANES_INLINE struct lanes kernel_arc_turn(const struct kinematics_problem *problem,
+                                          const struct problem_spring *spring,
+                                          const struct kernel_moment *moment,
+                                          const struct kernel_gain *gain)
 {
     const double radius = problem->edge_radius;
     const struct lanes zero = lanes_set(0.0);
@@ -137,13 +175,13 @@ kernel_arc_turn(const struct kinematics_problem *problem, const struct problem_s
     const struct lanes kick = lanes_set(gain->kick / gain->weight);
     const struct lanes kick_yaw = lanes_set(gain->kick_yaw / gain->weight);
     const struct kernel_arc arc = {
-        .x = lanes_add(at->x, lanes_set(radius)),
-        .y = lanes_sub(at->y, lanes_set(problem->edge_y - radius)),
-        .sine = pose->sine,
-        .cosine = pose->cosine,
-        .way = *way,
-        .more = {lanes_mul(load->x, kick), lanes_mul(load->y, kick),
-                 lanes_mul(load->moment, kick_yaw)},
+        .x = lanes_add(moment->at.x, lanes_set(radius)),
+        .y = lanes_sub(moment->at.y, lanes_set(problem->edge_y - radius)),
+        .sine = moment->pose.sine,
+        .cosine = moment->pose.cosine,
+        .way = moment->way,
+        .more = {lanes_mul(moment->load.x, kick), lanes_mul(moment->load.y, kick),
+                 lanes_mul(moment->load.moment, kick_yaw)},
         .position_y = lanes_set(spring->position_y),
         .square = lanes_set(radius * radius),
     };
@@ -161,15 +199,17 @@ kernel_arc_turn(const struct kinematics_problem *problem, const struct problem_s
     return lanes_select(on, lanes_set(2.0), turn);
 }
 
-// What loading adds to the force of a spring, and what that does to the growths.
+// What loading adds to the force of spring `index`, and what that does to the growths.
 LANES_INLINE void kernel_switch_force(const struct kinematics_problem *problem,
-                                      struct problem_features features,
-                                      const struct problem_spring *spring,
-                                      const struct kernel_spring *kept,
-                                      const struct kernel_pose *pose, struct lanes s,
+                                      struct problem_features features, uint32_t index,
+                                      const struct kernel_moment *moment, struct lanes s,
                                       struct lanes_mask contact, const struct kernel_gain *gain,
-                                      const double *coefficients, struct kernel_switch *kept_switch)
+                                      struct kernel_scratch *scratch)
 {
+    const struct problem_spring *spring = &problem->springs[index];
+    struct kernel_switch *kept_switch = &scratch->switches[index];
+    const double *coefficients = scratch->coefficients;
+    const struct kernel_pose *pose = &moment->pose;
     const struct lanes_mask acts = lanes_and_less(contact, lanes_set(spring->load.acts_above), s);
     struct lanes x, y;
     kernel_curve(problem, &spring->load, coefficients, s, acts, &x, &y);
@@ -183,9 +223,10 @@ LANES_INLINE void kernel_switch_force(const struct kinematics_problem *problem,
     }
     const struct lanes position_y = lanes_set(spring->position_y);
     const struct lanes road_x = lanes_fms(pose->cosine, x, lanes_mul(pose->sine, y));
-    const struct lanes moment = lanes_fms(lanes_load(kept->place), y, lanes_mul(position_y, x));
+    const struct lanes place = kernel_past_place(problem, features, index, moment->number, scratch);
+    const struct lanes torque = lanes_fms(place, y, lanes_mul(position_y, x));
     const struct lanes backwards = lanes_mul(lanes_set(gain->kick), road_x);
-    const struct lanes turn = lanes_mul(lanes_set(gain->kick_yaw), moment);
+    const struct lanes turn = lanes_mul(lanes_set(gain->kick_yaw), torque);
     const struct lanes lever =
         lanes_mul(gain->inverse, lanes_fma(position_y, gain->inverse, gain->offset));
     lanes_store(kept_switch->force[0], x);
@@ -196,24 +237,29 @@ LANES_INLINE void kernel_switch_force(const struct kinematics_problem *problem,
     lanes_store(kept_switch->own, lanes_fms(turn, lever, lanes_mul(gain->inverse, backwards)));
 }
 
-// A spring's switch at the beginning of the step.
-LANES_INLINE void
-kernel_switch_start(const struct kinematics_problem *problem, struct problem_features features,
-                    uint32_t number, const struct problem_spring *spring,
-                    const struct kernel_spring *kept, const struct kernel_motion *at,
-                    const struct kernel_motion *way, const struct kernel_pose *pose,
-                    const struct kernel_load *load, const struct kernel_gain *gain,
-                    const double *coefficients, struct kernel_switch *kept_switch)
+// The switch of spring `index` at the beginning of the step.
+LANES_INLINE void kernel_switch_start(const struct kinematics_problem *problem,
+                                      struct problem_features features, uint32_t index,
+                                      const struct kernel_moment *moment,
+                                      const struct kernel_gain *gain,
+                                      struct kernel_scratch *scratch)
 {
     const struct lanes zero = lanes_set(0.0);
     const struct lanes one = lanes_set(1.0);
-    const struct lanes rest = lanes_set(problem->rest);
     const struct lanes none = lanes_set(-INFINITY);
-    const struct lanes beyond = lanes_load(kept->event.beyond);
-    const struct lanes s = lanes_load(kept->event.deformation[number % 2]);
-    const struct lanes before = lanes_load(kept->event.deformation[1 - number % 2]);
-    const struct lanes_mask contact = lanes_less(none, beyond);
-    const struct lanes_mask loading = lanes_less(rest, beyond);
+    const uint32_t number = moment->number;
+    const struct problem_spring *spring = &problem->springs[index];
+    const struct kernel_event *event = &scratch->springs[index].event;
+    struct kernel_switch *kept_switch = &scratch->switches[index];
+    const struct lanes s = kernel_past_deformation(problem, features, index, number, scratch);
+    const struct lanes before =
+        kernel_past_deformation(problem, features, index, number + 1, scratch);
+    const struct lanes_mask contact = lanes_from_bits(event->contact[number % 2]);
+    const struct lanes_mask loading = lanes_from_bits(event->loading);
+    // Within `rest` of where the spring last loaded it rests; the reference lies as much higher.
+    const struct lanes rest = lanes_set(problem->rest);
+    const struct lanes reference = lanes_load(scratch->springs[index].reference[1 - number % 2]);
+    const struct lanes beyond = lanes_add(lanes_sub(s, reference), rest);
     const struct lanes_mask rests =
         lanes_and_not(lanes_and_less(contact, lanes_sub(zero, rest), beyond), loading);
     // A crushed spring stays off below its greatest deformation, by the other rule it may begin to
@@ -221,22 +267,21 @@ kernel_switch_start(const struct kinematics_problem *problem, struct problem_fea
     struct lanes growth = features.crushed ? none : lanes_select(contact, beyond, none);
     growth = lanes_select(rests, zero, growth);
     growth = lanes_select(loading, lanes_max(lanes_sub(s, before), zero), growth);
-    kernel_switch_force(problem, features, spring, kept, pose, s, contact, gain, coefficients,
-                        kept_switch);
+    kernel_switch_force(problem, features, index, moment, s, contact, gain, scratch);
     struct lanes more = lanes_fma(gain->across, lanes_set(spring->position_y), gain->along);
-    if (features.rounded && lanes_any(kept->event.arc)) {
+    if (features.rounded && event->arc != 0) {
         // What loaded up to now goes on to its turn: a growth of 1 that is 0 then.
-        const struct lanes time = kernel_arc_turn(problem, spring, at, way, pose, load, gain);
-        const struct lanes_mask on = lanes_or(loading, kept->event.loads[1 - number % 2]);
+        const struct lanes_mask arc = lanes_from_bits(event->arc);
+        const struct lanes time = kernel_arc_turn(problem, spring, moment, gain);
+        const struct lanes_mask on = lanes_from_bits(event->loading | event->loads[1 - number % 2]);
         const struct lanes fall = lanes_div(lanes_set(-1.0), lanes_max(time, lanes_set(1e-9)));
-        growth = lanes_select(kept->event.arc, lanes_select(on, one, none), growth);
-        more = lanes_select(kept->event.arc, fall, more);
+        growth = lanes_select(arc, lanes_select(on, one, none), growth);
+        more = lanes_select(arc, fall, more);
     }
     lanes_store(kept_switch->growth, growth);
     lanes_store(kept_switch->gain, more);
-    lanes_store(kept_switch->share, lanes_keep(loading, lanes_set(1.0)));
+    lanes_store(kept_switch->share, lanes_keep(loading, one));
     lanes_store(kept_switch->mean, zero);
-    kept_switch->loading = loading;
 }
 
 // What the changes of all shares add to the way of a step: in x, and to its turn.
@@ -334,88 +379,86 @@ LANES_INLINE void kernel_switch_pass(uint32_t count, struct lanes inverse,
     }
 }
 
-// Works out the springs' shares of a step and what they change of the forces of time `number`. Only
-// designs that `turning` names are changed, so no bit depends on what a neighbour does.
-static __attribute__((noinline)) void
-kernel_switch_all(const struct kinematics_problem *problem, struct problem_features features,
-                  uint32_t number, const struct kernel_motion *at, const struct kernel_motion *way,
-                  const struct kernel_pose *pose, const struct kernel_load *load,
-                  const struct kernel_gain *gain, const struct lanes_mask *turning, bool recording,
-                  struct kernel_scratch *scratch)
+// Takes the switches through the step, from turn to turn.
+LANES_INLINE void kernel_switch_run(uint32_t count, struct lanes inverse, struct lanes_mask turning,
+                                    struct kernel_switch *switches)
+{
+    const struct lanes zero = lanes_set(0.0);
+    struct kernel_shift shift = {zero, zero};
+    struct lanes left = lanes_set(1.0);
+    for (uint32_t event = 0; event < KERNEL_SWITCH_EVENTS; event++) {
+        kernel_switch_shares(count, inverse, switches, &shift);
+        const struct lanes time = event + 1 == KERNEL_SWITCH_EVENTS
+                                      ? left
+                                      : kernel_switch_next(count, inverse, switches, &shift, left);
+        kernel_switch_pass(count, inverse, switches, &shift, time);
+        left = lanes_sub(left, time);
+        if (!lanes_any(lanes_and_less(turning, zero, left))) {
+            break;
+        }
+    }
+}
+
+// Lets springs load for as long as their deformation grows: works out their shares and leaves what
+// these change of the forces in `made_good`. Only designs that `turning` names are changed, so no
+// bit depends on what a neighbour does.
+static __attribute__((noinline)) void kernel_switch_all(const struct kinematics_problem *problem,
+                                                        struct problem_features features,
+                                                        const struct kernel_moment *moment,
+                                                        struct kernel_scratch *scratch)
 {
     const struct lanes zero = lanes_set(0.0);
     const struct lanes one = lanes_set(1.0);
     const uint32_t count = problem->spring_count;
-    struct kernel_switch *switches = scratch->switches;
+    const uint32_t number = moment->number;
+    const struct lanes_mask turning = lanes_from_bits(moment->turning);
+    const struct kernel_gain gain = kernel_gain(problem, moment);
     for (uint32_t i = 0; i < count; i++) {
-        kernel_switch_start(problem, features, number, &problem->springs[i], &scratch->springs[i],
-                            at, way, pose, load, gain, scratch->coefficients, &switches[i]);
+        kernel_switch_start(problem, features, i, moment, &gain, scratch);
     }
-    struct kernel_shift shift = {zero, zero};
-    struct lanes left = one;
-    for (uint32_t event = 0; event < KERNEL_SWITCH_EVENTS; event++) {
-        kernel_switch_shares(count, gain->inverse, switches, &shift);
-        const struct lanes time =
-            event + 1 == KERNEL_SWITCH_EVENTS
-                ? left
-                : kernel_switch_next(count, gain->inverse, switches, &shift, left);
-        kernel_switch_pass(count, gain->inverse, switches, &shift, time);
-        left = lanes_sub(left, time);
-        if (!lanes_any(lanes_and_less(*turning, zero, left))) {
-            break;
-        }
-    }
+    kernel_switch_run(count, gain.inverse, turning, scratch->switches);
     struct lanes sum_x = zero;
     struct lanes sum_y = zero;
-    struct lanes moment = zero;
+    struct lanes torque = zero;
     for (uint32_t i = 0; i < count; i++) {
+        const struct kernel_switch *kept_switch = &scratch->switches[i];
         const struct problem_spring *spring = &problem->springs[i];
         struct kernel_spring *kept = &scratch->springs[i];
-        const struct lanes first = lanes_keep(switches[i].loading, one);
+        const struct lanes first = lanes_keep(lanes_from_bits(kept->event.loading), one);
         const struct lanes change =
-            lanes_keep(*turning, lanes_sub(lanes_load(switches[i].mean), first));
-        const struct lanes x = lanes_mul(change, lanes_load(switches[i].force[0]));
-        const struct lanes y = lanes_mul(change, lanes_load(switches[i].force[1]));
+            lanes_keep(turning, lanes_sub(lanes_load(kept_switch->mean), first));
+        const struct lanes x = lanes_mul(change, lanes_load(kept_switch->force[0]));
+        const struct lanes y = lanes_mul(change, lanes_load(kept_switch->force[1]));
         sum_x = lanes_add(sum_x, x);
         sum_y = lanes_add(sum_y, y);
-        moment = lanes_fma(lanes_load(kept->place), y, moment);
-        moment = lanes_fnma(lanes_set(spring->position_y), x, moment);
-        if (features.work || recording) {
+        torque = lanes_fma(kernel_past_place(problem, features, i, number, scratch), y, torque);
+        torque = lanes_fnma(lanes_set(spring->position_y), x, torque);
+        if (features.work || moment->recording) {
             lanes_store(kept->force_x, lanes_add(lanes_load(kept->force_x), x));
             lanes_store(kept->force_y, lanes_add(lanes_load(kept->force_y), y));
         }
-        if (recording) {
+        if (moment->recording) {
             lanes_store(kept->event.force_x, lanes_add(lanes_load(kept->event.force_x), x));
             lanes_store(kept->event.force_y, lanes_add(lanes_load(kept->event.force_y), y));
         }
         // What acts at the end of the step is what may end within the next.
-        const struct lanes s = lanes_load(kept->event.deformation[number % 2]);
+        const struct lanes s = kernel_past_deformation(problem, features, i, number, scratch);
         const struct lanes_mask loads =
-            lanes_and_less(lanes_and_not_above(*turning, one, lanes_load(switches[i].share)),
+            lanes_and_less(lanes_and_not_above(turning, one, lanes_load(kept_switch->share)),
                            lanes_set(spring->load.acts_above), s);
-        kept->event.loads[number % 2] =
-            lanes_or(loads, lanes_and_not(kept->event.loads[number % 2], *turning));
+        uint32_t *kept_loads = &kept->event.loads[number % 2];
+        *kept_loads = lanes_bits(loads) | (*kept_loads & ~moment->turning);
     }
     lanes_store(scratch->made_good[0], sum_x);
     lanes_store(scratch->made_good[1], sum_y);
-    lanes_store(scratch->made_good[2], moment);
+    lanes_store(scratch->made_good[2], torque);
 }
 
-// Lets springs load for as long as their deformation grows, in the forces of time `number`, over
-// `weight` of a step.
-LANES_INLINE void kernel_turns(const struct kinematics_problem *problem,
-                               struct problem_features features, const struct kernel_motion *at,
-                               const struct kernel_motion *way, const struct kernel_pose *pose,
-                               uint32_t number, double weight, bool recording,
-                               struct kernel_load *load, struct kernel_scratch *scratch)
+// Adds what kernel_switch_all() left to the forces.
+LANES_INLINE void kernel_switch_apply(const struct kernel_pose *pose,
+                                      const struct kernel_scratch *scratch,
+                                      struct kernel_load *load)
 {
-    const struct kernel_gain gain = kernel_gain(problem, at, way, pose, load, weight);
-    const struct lanes_mask turning = kernel_turning(problem, features, &gain, scratch);
-    if (__builtin_expect(!lanes_any(turning), true)) {
-        return;
-    }
-    kernel_switch_all(problem, features, number, at, way, pose, load, &gain, &turning, recording,
-                      scratch);
     const struct lanes x = lanes_load(scratch->made_good[0]);
     const struct lanes y = lanes_load(scratch->made_good[1]);
     const struct lanes road_x = lanes_fms(pose->cosine, x, lanes_mul(pose->sine, y));

@@ -52,6 +52,8 @@ enum { LANES_VECTOR = 8 };
 #define VECTOR_OR(m, n) _kor_mask8(m, n)
 #define VECTOR_DIFFER(m, n) _kxor_mask8(m, n)
 #define VECTOR_ANY(m) ((m) != 0)
+#define VECTOR_BITS(m) ((uint32_t)(m))
+#define VECTOR_FROM_BITS(bits) ((__mmask8)(bits))
 
 #elif defined(LANES_PATH_AVX2)
 
@@ -88,6 +90,11 @@ enum { LANES_VECTOR = 4 };
 #define VECTOR_OR(m, n) _mm256_or_pd(m, n)
 #define VECTOR_DIFFER(m, n) _mm256_xor_pd(m, n)
 #define VECTOR_ANY(m) (_mm256_movemask_pd(m) != 0)
+#define VECTOR_BITS(m) ((uint32_t)_mm256_movemask_pd(m))
+#define VECTOR_FROM_BITS(bits)                                                     \
+    _mm256_castsi256_pd(_mm256_cmpeq_epi64(                                        \
+        _mm256_and_si256(_mm256_set1_epi64x(bits), _mm256_set_epi64x(8, 4, 2, 1)), \
+        _mm256_set_epi64x(8, 4, 2, 1)))
 
 #elif defined(LANES_PATH_PLAIN)
 
@@ -129,6 +136,8 @@ LANES_INLINE bool vector_bit(double a, int bit)
 #define VECTOR_OR(m, n) ((m) | (n))
 #define VECTOR_DIFFER(m, n) ((m) != (n))
 #define VECTOR_ANY(m) (m)
+#define VECTOR_BITS(m) ((uint32_t)(m))
+#define VECTOR_FROM_BITS(bits) (((bits)&1) != 0)
 
 #else
 #error "define LANES_PATH_AVX512, LANES_PATH_AVX2 or LANES_PATH_PLAIN first"
@@ -330,6 +339,24 @@ LANES_INLINE bool lanes_any(struct lanes_mask m)
     LANES_DO(DO)
 #undef DO
     return any;
+}
+
+// A mask as a number, a bit a lane, and back. Bits of one spring fit a word where a vector would
+// take a store of its own.
+LANES_INLINE uint32_t lanes_bits(struct lanes_mask m)
+{
+    uint32_t bits = 0;
+#define DO(k) bits |= VECTOR_BITS(m.v[k]) << ((k)*LANES_VECTOR);
+    LANES_DO(DO)
+#undef DO
+    return bits;
+}
+
+LANES_INLINE struct lanes_mask lanes_from_bits(uint32_t bits)
+{
+#define EACH(k) VECTOR_FROM_BITS(bits >> ((k)*LANES_VECTOR))
+    return (struct lanes_mask)LANES_EACH(EACH);
+#undef EACH
 }
 
 // a where m is set, else b.

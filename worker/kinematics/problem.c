@@ -98,10 +98,11 @@ struct kinematics_problem *kinematics_create(const struct kinematics_setup *setu
     problem->features.work = !setup->omitted.energies;
     problem->features.deepest = !setup->omitted.deformations;
     problem->features.events = setup->integrator == KINEMATICS_EVENT_VERLET;
-    problem->lowest_y = setup->springs[0].position[1];
+    problem->lowest_y = problem->highest_y = setup->springs[0].position[1];
     for (uint32_t i = 0; i < setup->spring_count; i++) {
         problem_add_spring(problem, &setup->springs[i]);
         problem->lowest_y = fmin(problem->lowest_y, setup->springs[i].position[1]);
+        problem->highest_y = fmax(problem->highest_y, setup->springs[i].position[1]);
     }
     assert(problem->value_count <= KINEMATICS_VALUE_MAX);
     return problem;

@@ -59,6 +59,7 @@ struct kinematics_problem {
     struct problem_spring springs[KINEMATICS_SPRING_MAX];
     uint32_t spring_count;
     double lowest_y;       // [m] the least position_y
+    double highest_y;      // [m] the greatest
     double *deformation;   // [m] points of all curves (point_count)
     double *inverse_width; // [1/m] 1 / (deformation[i + 1] - deformation[i]) within a curve
     uint32_t point_count;
