@@ -1,7 +1,9 @@
 #include "common/base/log.h"
 
 #include "common/base/clock.h"
+#include "common/base/plain.h"
 
+#include <glib.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -31,15 +33,25 @@ static bool terminal(void)
     return isatty(STDERR_FILENO) == 1;
 }
 
+// What a line says may hold the bytes of any file or packet.
+static void put_plain(const char *text)
+{
+    char *plain = plain_text(text);
+    fputs(plain, stderr);
+    g_free(plain);
+}
+
 // Prints one line, lifting the progress line out of its way and putting it back below.
 static void __attribute__((format(printf, 2, 0)))
 line(const char *label, const char *format, va_list arguments)
 {
     if (log_progress_text[0] != '\0')
         fputs("\r\033[K", stderr);
+    char *text = g_strdup_vprintf(format, arguments);
     fprintf(stderr, "%s: %s", log_program, label);
-    vfprintf(stderr, format, arguments);
+    put_plain(text);
     fputc('\n', stderr);
+    g_free(text);
     if (log_progress_text[0] != '\0')
         fputs(log_progress_text, stderr);
     fflush(stderr);
@@ -63,7 +75,8 @@ void log_failure(const struct error *error)
         return;
     }
     log_progress_end();
-    fprintf(stderr, "%s\n", error->text);
+    put_plain(error->text);
+    fputc('\n', stderr);
 }
 
 void log_warning(const char *place, const char *text)
@@ -71,7 +84,10 @@ void log_warning(const char *place, const char *text)
     if (log_level_shown < LOG_NORMAL)
         return;
     log_progress_end();
-    fprintf(stderr, "%s: warning: %s\n", place, text);
+    put_plain(place);
+    fputs(": warning: ", stderr);
+    put_plain(text);
+    fputc('\n', stderr);
 }
 
 // Whether there is room for one more note.
@@ -122,11 +138,12 @@ void log_progress(const char *format, ...)
 {
     if (log_level_shown < LOG_NORMAL)
         return;
-    char text[sizeof log_progress_text];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    char *raw = g_strdup_vprintf(format, arguments);
     va_end(arguments);
+    char *text = plain_text(raw);
+    g_free(raw);
     if (terminal()) {
         snprintf(log_progress_text, sizeof log_progress_text, "%s", text);
         fprintf(stderr, "\r\033[K%s", text);
@@ -134,6 +151,7 @@ void log_progress(const char *format, ...)
         fprintf(stderr, "%s\n", text);
     }
     fflush(stderr);
+    g_free(text);
 }
 
 void log_progress_end(void)

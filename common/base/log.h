@@ -1,4 +1,5 @@
-// Lines for the person at the terminal, on standard error: "sobox-worker: note: ...". A progress
+// Lines for the person at the terminal, on standard error: "sobox-worker: note: ...", without
+// anything that a terminal would obey (plain.h). A progress
 // line (log_progress) stays at the bottom of a terminal and is redrawn under the notes; elsewhere
 // it becomes a plain line now and then. Called from the program's message thread only.
 #ifndef SOBOX_COMMON_BASE_LOG_H

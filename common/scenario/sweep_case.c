@@ -1,3 +1,4 @@
+#include "common/base/plain.h"
 #include "common/scenario/scenario_read.h"
 #include "common/scenario/sweep_state.h"
 
@@ -54,24 +55,33 @@ static void label_columns(struct sweep *sweep)
     }
 }
 
+static char *label_of(const struct sweep *sweep, const struct sweep_axis *axis, uint32_t row)
+{
+    GString *label = g_string_new(NULL);
+    if (axis->labels != NULL)
+        g_string_append(label, axis->labels->pdata[row]);
+    for (uint32_t c = 0; axis->labels == NULL && c < axis->column_count; c++) {
+        const struct sweep_cell *cell = axis_cell(axis, row, c);
+        g_string_append_printf(
+            label, "%s%s=", c > 0 ? "," : "",
+            g_array_index(sweep->columns, struct sweep_column, axis->first_column + c).label);
+        if (cell->plain)
+            g_string_append(label, cell->text);
+        else
+            g_string_append_printf(label, "#%u", row + 1);
+    }
+    return g_string_free(label, FALSE);
+}
+
+// Names stand on terminals and in file names of pictures, so what tables and values hold of control
+// characters stays out of them.
 static void put_label(const struct sweep *sweep, GString *name, const struct sweep_axis *axis,
                       uint32_t row)
 {
-    if (axis->labels != NULL) {
-        g_string_append_printf(name, "%s%s", name->len > 0 ? "," : "",
-                               (const char *)axis->labels->pdata[row]);
-        return;
-    }
-    for (uint32_t c = 0; c < axis->column_count; c++) {
-        const struct sweep_cell *cell = axis_cell(axis, row, c);
-        g_string_append_printf(
-            name, "%s%s=", name->len > 0 ? "," : "",
-            g_array_index(sweep->columns, struct sweep_column, axis->first_column + c).label);
-        if (cell->plain)
-            g_string_append(name, cell->text);
-        else
-            g_string_append_printf(name, "#%u", row + 1);
-    }
+    char *label = label_of(sweep, axis, row), *plain = plain_text(label);
+    g_string_append_printf(name, "%s%s", name->len > 0 ? "," : "", plain);
+    g_free(plain);
+    g_free(label);
 }
 
 const char *sweep_case_name(const struct sweep *sweep, uint32_t index,

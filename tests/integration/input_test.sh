@@ -190,3 +190,38 @@ unlikely_scenario_is_warned_of()
     run 0 sobox-coordinator "$scenario" --out usual
     ! grep -q '^warning ' out || fail "warned of a usual car: $(cat out)"
 }
+
+# Text of any file, with an escape sequence in it, is shown without what a terminal would obey.
+escape_sequences_never_reach_the_terminal()
+{
+    local owned=$'\e]0;owned\a' c1=$'\xc2\x9b31m'
+    printf 'time_s,x_m\n%s,1\n' "$owned" >motion.csv
+    printf 'spring,branch,deformation_m,force_x_N,force_y_N\n%s,load,0,1,1\n' "$owned$c1" >design.csv
+    printf 'time_s,spring,x_N\n%s,1,2\n' "$owned" >forces.csv
+    printf '%s\n1\n' "$owned" >designs.csv
+    printf 'case,vehicle.mass\n%s,1500\n%s,1600\n' "$c1" plain >cases.csv
+    printf 'sweep: cases\nbase: %s\naxes: [{csv: cases.csv}]\n' "$scenario" >sweep.yaml
+    printf 'name: "\\e]0;owned\\a"\n' >named.yaml
+    printf 'na%sme: 3\n' "$owned" >raw.yaml
+    local -a commands=(
+        "2 sobox-simulate $scenario --compare motion.csv"
+        "2 sobox-simulate $scenario --design design.csv"
+        "2 sobox-simulate named.yaml"
+        "2 sobox-simulate raw.yaml"
+        "2 sobox-simulate $owned.yaml"
+        "2 sobox-simulate $scenario --set vehicle.mass=$owned"
+        "2 sobox-barrier-forces $scenario --forces forces.csv --out out.csv"
+        "2 sobox-coordinator $scenario --evaluate designs.csv --out study"
+        "0 sobox-coordinator sweep.yaml --out run"
+        "0 sobox-coordinator sweep.yaml --dry-run"
+        "0 sobox-report run"
+    )
+    local command
+    for command in "${commands[@]}"; do
+        # shellcheck disable=SC2086 # the words of a command
+        run $command
+        if LC_ALL=C grep -qP '[\x00-\x08\x0b-\x1f\x7f]|\xc2[\x80-\x9f]' out err; then
+            fail "a control character from $command: $(cat -v out err)"
+        fi
+    done
+}

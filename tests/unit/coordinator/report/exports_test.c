@@ -1,4 +1,3 @@
-#include "common/base/plain.h"
 #include "sample_run.h"
 
 #include "coordinator/report/number.h"
@@ -57,15 +56,6 @@ static void counts_are_grouped(void **state)
     assert_string_equal(number_count(999, text), "999");
     assert_string_equal(number_count(1000, text), "1,000");
     assert_string_equal(number_count(UINT64_MAX, text), "18,446,744,073,709,551,615");
-}
-
-// A name in a run folder from elsewhere must not move the cursor or end a line.
-static void names_lose_their_control_characters(void **state)
-{
-    (void)state;
-    char *name = plain_text("a\x1b[2J\nb \xc3\xa9 \xc2\x9b \xff tail");
-    assert_string_equal(name, "a?[2J?b \xc3\xa9 ? ?");
-    g_free(name);
 }
 
 // ---- files ----
@@ -410,7 +400,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(counts_are_grouped),
-        cmocka_unit_test(names_lose_their_control_characters),
         IN_FOLDER(csv_tables_are_golden),
         IN_FOLDER(json_holds_the_result),
         IN_FOLDER(unfinished_run_shows_its_last_box),
