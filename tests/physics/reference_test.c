@@ -2,7 +2,7 @@
 // designs of the shipped design spaces. The kernel converges to the thesis's crash or it does not;
 // a twin that shares its rules could not tell.
 #include "common/scenario/scenario_read.h"
-#include "tests/physics/reference.h"
+#include "tests/physics/reference_scenario.h"
 #include "tests/physics/sedan.h"
 #include "worker/batch/batch.h"
 #include "worker/models/small_overlap.h"
@@ -43,49 +43,6 @@ static struct scenario read_scenario(const char *name, const char *const *overri
         fail_msg("%s", error.text);
     }
     return scenario;
-}
-
-// The crash of a scenario without its forces.
-static struct reference_crash crash_of(const struct scenario *scenario)
-{
-    const struct scenario_barrier *barrier = &scenario->barrier;
-    struct reference_crash crash = {
-        .mass = scenario->vehicle.mass,
-        .yaw_inertia = scenario->vehicle.yaw_inertia,
-        .speed = scenario->vehicle.speed,
-        .cog = {scenario->vehicle.cog[0], scenario->vehicle.cog[1]},
-        .face_x = barrier->face_x,
-        .edge_y = barrier->edge_y,
-        .width = barrier->width,
-        .radius = barrier->profile == SCENARIO_PROFILE_ROUNDED ? barrier->edge_radius : 0.0,
-        .crushed = scenario->simulation.reloading == SCENARIO_RELOADING_CRUSHED,
-        .duration = scenario->simulation.duration,
-        .step = reference_step,
-        .spring_count = scenario->spring_count,
-    };
-    for (uint32_t i = 0; i < scenario->spring_count; i++) {
-        const struct scenario_spring *from = &scenario->springs[i];
-        struct reference_spring *to = &crash.springs[i];
-        to->length = from->length;
-        to->point_count = from->point_count;
-        memcpy(to->place, from->position, sizeof to->place);
-        memcpy(to->deformation, from->deformation, from->point_count * sizeof *to->deformation);
-    }
-    return crash;
-}
-
-// Design `design` of `values` as the forces of the crash.
-static void set_forces(struct reference_crash *crash, uint32_t design)
-{
-    const double *value = values + design;
-    for (uint32_t i = 0; i < crash->spring_count; i++) {
-        for (int direction = 0; direction < 2; direction++) {
-            for (uint32_t point = 0; point < crash->springs[i].point_count; point++) {
-                crash->springs[i].force[direction][point] = *value;
-                value += DESIGNS;
-            }
-        }
-    }
 }
 
 static void draw_designs(const struct scenario *scenario, uint64_t seed)
@@ -211,10 +168,11 @@ static void assert_claims(const char *profile, const char *reloading, const stru
         snprintf(overrides[1], sizeof overrides[1], "simulation.reloading=%s", reloading);
         const char *const list[] = {overrides[0], overrides[1]};
         struct scenario scenario = read_scenario(scenarios[i], list, 2);
-        struct reference_crash crash = crash_of(&scenario);
+        struct reference_crash crash = reference_crash_of(&scenario);
+        crash.step = reference_step;
         draw_designs(&scenario, 5 + i);
         for (uint32_t design = 0; design < DESIGNS; design++) {
-            set_forces(&crash, design);
+            reference_set_forces(&crash, values + design, DESIGNS);
             expected[design] = reference_evaluate(&crash);
         }
         scenario_fini(&scenario);
@@ -281,11 +239,11 @@ static void reference_has_converged(void **state)
     (void)state;
     const char *const list[] = {"barrier.profile=rounded", "simulation.reloading=crushed"};
     struct scenario scenario = read_scenario("suv-ten-springs", list, 2);
-    struct reference_crash crash = crash_of(&scenario);
+    struct reference_crash crash = reference_crash_of(&scenario);
     draw_designs(&scenario, 11);
     double greatest = 0.0; // [m], [rad]
     for (uint32_t design = 0; design < 20; design++) {
-        set_forces(&crash, design);
+        reference_set_forces(&crash, values + design, DESIGNS);
         crash.step = reference_step;
         const struct reference_outcome coarse = reference_evaluate(&crash);
         crash.step = 0.2 * reference_step;
