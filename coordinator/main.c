@@ -118,6 +118,8 @@ static enum status open_run(struct run *run, const struct command_line *options,
         g_ptr_array_add(overrides, g_strdup(*set));
     if (options->seed != NULL)
         g_ptr_array_add(overrides, g_strconcat("search.seed=", options->seed, NULL));
+    if (options->round != NULL)
+        g_ptr_array_add(overrides, g_strconcat("search.round=", options->round, NULL));
     enum status status = options->certify != NULL ? add_box(overrides, options, error) : STATUS_OK;
     if (status == STATUS_OK)
         status = sweep_detect(options->scenario)
@@ -238,6 +240,12 @@ static int outcome(const struct run *run, struct error *error)
                  run->record.search_count, run->directory);
         return EXIT_STATUS_DONE;
     }
+    if (run->coarse_count > 0)
+        return (int)status_exit(error_set(
+            error, STATUS_FAILED,
+            "search.round is too coarse: in %u of %u boxes an interval would lose its width and "
+            "was left as it is, see `round` in %s/result.json; choose a smaller step",
+            run->coarse_count, run->record.search_count, run->directory));
     return run->found_count == 0 ? EXIT_STATUS_NO_GOOD_DESIGN : EXIT_STATUS_DONE;
 }
 

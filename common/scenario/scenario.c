@@ -4,7 +4,9 @@
 #include "common/scenario/plausibility_find.h"
 #include "common/scenario/words.h"
 
+#include "common/numeric/rounding.h"
 #include <assert.h>
+
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
@@ -120,6 +122,24 @@ bool scenario_is_box(const struct scenario *scenario)
             return false;
     }
     return true;
+}
+
+static bool is_free(const double *held, uint32_t variable)
+{
+    return held == NULL || isnan(held[variable]);
+}
+
+bool scenario_is_rounded(const struct scenario *scenario, const struct box *box, uint32_t variable)
+{
+    const struct scenario_hold *hold = &scenario->search.hold;
+    const double step = scenario->search.round;
+    if (!(step > 0) || box->lower[variable] == box->upper[variable])
+        return true;
+    const bool all = scenario_is_box(scenario);
+    return !((all || is_free(hold->lower, variable)) &&
+             !rounding_is_multiple(box->lower[variable], step)) &&
+           !((all || is_free(hold->upper, variable)) &&
+             !rounding_is_multiple(box->upper[variable], step));
 }
 
 void scenario_fini(struct scenario *scenario)

@@ -141,6 +141,9 @@ struct scenario_search {
     uint32_t explain_samples; // just outside each bound, to say what holds it; 0: it is not said.
                               // SCENARIO_EXPLAIN_AUTO: as many as are worth their cost
 
+    double round; // the bounds of the box are rounded inwards to multiples of it before the box is
+                  // certified, in the variable's unit; 0: they are not
+
     double *start;        // the design from which to begin, inside the design space
     struct box start_box; // the box from which to begin, inside the design space; count 0: none.
                           // Not given together with `start`
@@ -250,6 +253,10 @@ uint32_t scenario_outcome_find(const struct scenario *scenario, const char *name
 
 // Whether every bound is held: there is a box to certify, and nothing to search.
 bool scenario_is_box(const struct scenario *scenario);
+
+// Whether search.round holds of a variable's interval: no bound of it that may move is anything but
+// a multiple. Without search.round it does.
+bool scenario_is_rounded(const struct scenario *scenario, const struct box *box, uint32_t variable);
 
 // Writes the outcome's name, for instance "s_L", "energy_absorbed.front", or with cases
 // "wagon.s_L"; returns `name`.

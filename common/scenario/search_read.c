@@ -1,5 +1,6 @@
 #include "common/scenario/search_read.h"
 
+#include "common/numeric/rounding.h"
 #include "common/scenario/field.h"
 #include "common/scenario/numbers.h"
 #include "common/scenario/tie_read.h"
@@ -56,6 +57,8 @@ static const struct field search_fields[] = {
      .range = FIELD_FROM_TO(0, 1e6)},
     {"explain_samples", FIELD_COUNT, .optional = true, AT(search_document, search.explain_samples),
      .range = FIELD_FROM_TO(0, 1e6)},
+    {"round", FIELD_NUMBER, .optional = true, AT(search_document, search.round),
+     .range = FIELD_POSITIVE},
     {"start", FIELD_NODE, .optional = true, AT(search_document, start)},
     {"start_box", FIELD_NODE, .optional = true, AT(search_document, start_box)},
     {"reference", FIELD_NODE, .optional = true, AT(search_document, reference)},
@@ -215,15 +218,53 @@ static bool read_hold(const struct tree_node *node, const struct scenario *scena
     return leaves_width(node, scenario, hold, error);
 }
 
+// Says that an interval is too narrow to be rounded. Returns false.
+static bool too_coarse(const struct tree_node *node, const struct scenario *scenario,
+                       uint32_t variable, double step, double lower, double upper,
+                       struct error *error)
+{
+    tree_error(node, error,
+               "%s, %.15g to %.15g, has no width between multiples of %.15g: expected a smaller "
+               "step",
+               scenario->variables[variable].name, lower, upper, step);
+    return false;
+}
+
+// Rounds a box to certify; an interval that is a value stays one.
+static bool round_box(const struct tree_node *node, const struct scenario *scenario,
+                      struct scenario_search *search, struct error *error)
+{
+    for (uint32_t v = 0; search->round > 0 && v < scenario->design_space.count; v++) {
+        double *lower = &search->hold.lower[v], *upper = &search->hold.upper[v];
+        if (*lower < *upper && !rounding_inwards(search->round, lower, upper))
+            return too_coarse(node, scenario, v, search->round, *lower, *upper, error);
+    }
+    return true;
+}
+
+// No box can be rounded where the design space cannot.
+static bool check_round(const struct tree_node *node, const struct scenario *scenario,
+                        const struct scenario_search *search, struct error *error)
+{
+    for (uint32_t v = 0; search->round > 0 && v < scenario->design_space.count; v++) {
+        double lower = scenario->design_space.lower[v], upper = scenario->design_space.upper[v];
+        if (lower < upper && !rounding_inwards(search->round, &lower, &upper))
+            return too_coarse(node, scenario, v, search->round, lower, upper, error);
+    }
+    return true;
+}
+
 // A box to certify: all of its bounds are held.
-static bool read_given_box(const struct tree_node *node, const struct scenario *scenario,
-                           struct scenario_search *search, struct error *error)
+static bool read_given_box(const struct tree_node *node, const struct tree_node *round,
+                           const struct scenario *scenario, struct scenario_search *search,
+                           struct error *error)
 {
     struct box box = {0};
     const bool read = read_box(node, scenario, &box, error);
     search->hold.lower = box.lower;
     search->hold.upper = box.upper;
-    return read && leaves_width(node, scenario, &search->hold, error);
+    return read && leaves_width(node, scenario, &search->hold, error) &&
+           round_box(round, scenario, search, error);
 }
 
 static bool same_number(const double *numbers, uint32_t a, uint32_t b)
@@ -398,6 +439,9 @@ bool search_read(const struct tree_node *node, struct scenario *scenario, struct
     if (!check_counts(node, scenario, &scenario->search, error))
         return false;
     // What says how to search, or which box to find, is not looked at where there is one.
-    return document.box != NULL ? read_given_box(document.box, scenario, &scenario->search, error)
-                                : read_lists(node, &document, scenario, error);
+    const struct tree_node *round = tree_spot(node, "round");
+    return document.box != NULL
+               ? read_given_box(document.box, round, scenario, &scenario->search, error)
+               : check_round(round, scenario, &scenario->search, error) &&
+                     read_lists(node, &document, scenario, error);
 }

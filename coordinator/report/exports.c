@@ -282,6 +282,18 @@ static json_t *json_kinds(const struct run_data_search *search)
     return kinds;
 }
 
+// What the bounds were rounded to, and the variables whose interval was left as it was found.
+static json_t *json_round(const struct run_data_search *search)
+{
+    const struct scenario *scenario = &search->scenario;
+    json_t *left = json_array();
+    for (uint32_t v = 0; search->box != NULL && v < search->box->count; v++) {
+        if (!scenario_is_rounded(scenario, search->box, v))
+            json_array_append_new(left, json_string(scenario->variables[v].name));
+    }
+    return json_pack("{s:f, s:o}", "step", scenario->search.round, "left", left);
+}
+
 static json_t *json_case(const struct run_data *data, const struct run_data_search *search)
 {
     json_t *values = json_object();
@@ -312,6 +324,8 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
         (json_int_t)search->steps->len, "wall_s", (double)search->wall_ns * 1e-9);
     if (data->axes[0] != NULL)
         json_object_set_new(object, "case", json_case(data, search));
+    if (record->finished && search->scenario.search.round > 0)
+        json_object_set_new(object, "round", json_round(search));
     if (record->finished)
         json_object_set_new(object, "non_finite", json_unsigned(record->non_finite));
     json_object_set_new(object, "warnings", json_warnings(search));

@@ -35,6 +35,9 @@ struct report_plot {
 // without springs or corridors, else `designs`, `kinds` with the number of each, and `springs` with
 // `deformation_max_m`, `points` and `points_reached`.
 //
+// Of a search with search.round `round` says what the bounds were rounded to, `step`, and which
+// variables were left as they are, `left`.
+//
 // Besides what the design names, result.json has `non_finite`, the samples whose outcome was not
 // finite, and `blocking_constraint` where no good design was found. What is not known is null, and
 // a seed above 2^63 - 1, which JSON readers would round, is text. Errors: STATUS_IO, and those of

@@ -266,6 +266,25 @@ static void print_purity(const struct run_data_search *search, FILE *out)
     }
 }
 
+// How the bounds were rounded, and which were not: too narrow, or in the way of what is asked for.
+static void print_rounding(const struct run_data_search *search, bool normalise, FILE *out)
+{
+    const struct scenario *scenario = &search->scenario;
+    if (!(scenario->search.round > 0) || search->box == NULL || !search->record.finished)
+        return;
+    fputs("rounded      inwards", out);
+    if (!normalise)
+        fprintf(out, " to multiples of %.10g", scenario->search.round);
+    const char *before = ", but for these, of which no width\n             would be left: ";
+    for (uint32_t v = 0; v < search->box->count; v++) {
+        if (scenario_is_rounded(scenario, search->box, v))
+            continue;
+        fprintf(out, "%s%s", before, scenario->variables[v].name);
+        before = ", ";
+    }
+    fputc('\n', out);
+}
+
 static void print_cost(const struct run_data_search *search, FILE *out)
 {
     char evaluations[NUMBER_SIZE], rate[NUMBER_SIZE];
@@ -323,6 +342,7 @@ static void print_search(const struct run_data_search *search, const struct repo
         worst_print(search, normalise, out);
         if (search->box != NULL)
             fprintf(out, "log-volume   %.3f (0 is the whole design space)\n", search->log_volume);
+        print_rounding(search, normalise, out);
         print_turned(search, out);
     }
     print_cost(search, out);

@@ -58,6 +58,7 @@ void command_line_fini(struct command_line *options)
     g_free(options->evaluate);
     g_free(options->outcomes);
     g_free(options->certify);
+    g_free(options->round);
     g_strfreev(options->set);
 }
 
@@ -134,9 +135,12 @@ static enum status check_evaluate(const struct command_line *options, struct err
                          "--outcomes goes with --evaluate, when it is begun");
     if (options->evaluate == NULL)
         return STATUS_OK;
-    if (options->seed != NULL || sweep_option(options) != NULL)
+    const char *other = options->seed != NULL    ? "--seed"
+                        : options->round != NULL ? "--round"
+                                                 : sweep_option(options);
+    if (other != NULL)
         return error_set(error, STATUS_INVALID, "--evaluate searches nothing: it goes without %s",
-                         options->seed != NULL ? "--seed" : sweep_option(options));
+                         other);
     if (options->scenario != NULL && sweep_detect(options->scenario))
         return error_set(error, STATUS_INVALID,
                          "--evaluate goes with a scenario, and %s is a sweep", options->scenario);
@@ -155,11 +159,12 @@ static enum status check_together(const struct command_line *options, struct err
     }
     if (options->resume != NULL) {
         if (options->scenario != NULL || options->out != NULL || options->seed != NULL ||
-            options->set != NULL || options->shard != NULL || options->keep_going ||
-            options->dry_run)
+            options->round != NULL || options->set != NULL || options->shard != NULL ||
+            options->keep_going || options->dry_run)
             return error_set(error, STATUS_INVALID,
                              "--resume continues a run as it was begun: it goes without a "
-                             "scenario, --out, --seed, --set, --shard, --keep-going and --dry-run");
+                             "scenario, --out, --seed, --round, --set, --shard, --keep-going and "
+                             "--dry-run");
         return STATUS_OK;
     }
     if (options->scenario == NULL)
@@ -238,6 +243,10 @@ enum status command_line_parse(struct command_line *options, int argc, char **ar
          "Search nothing: certify this box, a corridors.csv, which may have been edited, or a run "
          "folder, and find the worst design in it",
          "BOX"},
+        {"round", 0, 0, G_OPTION_ARG_STRING, &options->round,
+         "Round the bounds of the box inwards to multiples of this, for instance 10e3, and certify "
+         "that box: short for --set search.round=STEP",
+         "STEP"},
         {"resume", 'r', 0, G_OPTION_ARG_FILENAME, &options->resume,
          "Continue the run in this folder, to the same bits", "DIR"},
         {"quiet", 'q', 0, G_OPTION_ARG_NONE, &options->quiet, "Show the result and errors only",

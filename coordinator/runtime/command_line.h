@@ -23,6 +23,7 @@ struct command_line {
     char *evaluate;
     char *outcomes;
     char *certify;
+    char *round;
     struct run_choice choice; // from only, shard, stop_after and keep_going
     int stop_after;
     gboolean keep_going;

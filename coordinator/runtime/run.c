@@ -436,6 +436,17 @@ enum status run_open(struct run *run, uint32_t index, int64_t now_ns, struct err
     return STATUS_OK;
 }
 
+// Whether the step of search.round is too coarse for some interval of the box.
+static bool is_coarse(const struct scenario *scenario, const struct search_result *result)
+{
+    for (uint32_t v = 0; v < result->box->count; v++) {
+        if (result->status != SEARCH_STATUS_NO_GOOD_DESIGN &&
+            !scenario_is_rounded(scenario, result->box, v))
+            return true;
+    }
+    return false;
+}
+
 static enum status write_result(struct run *run, struct run_search *search, int64_t now_ns,
                                 struct error *error)
 {
@@ -479,6 +490,7 @@ static enum status write_result(struct run *run, struct run_search *search, int6
         run->done_count++;
         run->finished_count++;
         run->found_count += found_corridors(record.status);
+        run->coarse_count += is_coarse(&search->scenario, &result);
     }
     return status;
 }

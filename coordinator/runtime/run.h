@@ -59,6 +59,7 @@ struct run {
     uint32_t done_count;     // over all sessions
     uint32_t found_count;    // of the done ones that have corridors
     uint32_t failed_count;   // in this session
+    uint32_t coarse_count;   // in this session: done, but search.round left some bound as it was
     uint32_t finished_count; // in this session: done or failed
     uint64_t steps;          // recorded in this session
     int threads;             // that may trim one search

@@ -74,7 +74,11 @@ void cutting_set_centre(const struct cutting_set *set, struct box *box)
     const struct box *space = &set->frame->space;
     struct box all;
     box_init(&all, set->frame->all.count);
-    lay_out(set, set->centre, &all);
+    // What stands is the trial as well, which units may have changed in the last digit.
+    if (set->standing)
+        box_assign(&all, &set->box);
+    else
+        lay_out(set, set->centre, &all);
     for (uint32_t v = 0; v < space->count; v++) {
         box->lower[v] = all.lower[set->frame->variables[v]];
         box->upper[v] = all.upper[set->frame->variables[v]];
@@ -436,6 +440,18 @@ void cutting_set_stand(struct cutting_set *set)
         return;
     memcpy(set->trial, set->centre, set->sides * sizeof *set->trial);
     lay_out(set, set->trial, &set->box);
+}
+
+void cutting_set_place(struct cutting_set *set, const struct box *box)
+{
+    const struct box *space = &set->frame->space;
+    for (uint32_t v = 0; v < space->count; v++) {
+        const double width = space->upper[v] - space->lower[v];
+        set->centre[2 * v] = (box->lower[v] - space->lower[v]) / width;
+        set->centre[2 * v + 1] = (box->upper[v] - space->lower[v]) / width;
+    }
+    memcpy(set->trial, set->centre, set->sides * sizeof *set->trial);
+    frame_widen(set->frame, box, &set->box);
 }
 
 void cutting_set_mend(struct cutting_set *set)

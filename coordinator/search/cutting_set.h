@@ -76,6 +76,9 @@ bool cutting_set_resting(const struct cutting_set *set);
 // From now on attacks the centre as it is, with many fresh scouts beside the known attacks.
 void cutting_set_stand(struct cutting_set *set);
 
+// Puts a box (free variables) in the centre's place while it stands, exact to the bit.
+void cutting_set_place(struct cutting_set *set, const struct box *box);
+
 // Moves on from a centre in which a bad design was found: wants a greater margin of all limits.
 void cutting_set_mend(struct cutting_set *set);
 

@@ -1,5 +1,7 @@
 #include "coordinator/search/demands.h"
 
+#include "common/numeric/rounding.h"
+
 #include <assert.h>
 #include <glib.h>
 #include <math.h>
@@ -198,6 +200,29 @@ bool demands_meet(const struct demands *demands, struct box *box, enum demands_t
     for (uint32_t v = 0; v < box->count; v++)
         meet_alone(demands, box, v);
     return true;
+}
+
+// Whether a part of an interval is as good as the interval to those who ask.
+static bool may_shrink_to(const struct demands *demands, uint32_t v, double lower, double upper)
+{
+    return (demands->reference == NULL ||
+            (lower <= demands->around.lower[v] && upper >= demands->around.upper[v])) &&
+           (demands->minimum_widths == NULL || upper - lower >= demands->minimum_widths[v]);
+}
+
+void demands_round(const struct demands *demands, double step, struct box *box)
+{
+    for (uint32_t v = 0; v < box->count; v++) {
+        double lower = box->lower[v], upper = box->upper[v];
+        if (!rounding_inwards(step, &lower, &upper))
+            continue;
+        lower = demands->held != NULL && demands->held[2 * v] ? box->lower[v] : lower;
+        upper = demands->held != NULL && demands->held[2 * v + 1] ? box->upper[v] : upper;
+        if (!may_shrink_to(demands, v, lower, upper))
+            continue;
+        box->lower[v] = lower;
+        box->upper[v] = upper;
+    }
 }
 
 struct volume demands_volume(const struct demands *demands, const struct box *box,

@@ -47,6 +47,10 @@ void demands_fini(struct demands *demands);
 // DEMANDS_TIE_INSIDE). Without demands (NULL) every box meets them.
 bool demands_meet(const struct demands *demands, struct box *box, enum demands_tie tie);
 
+// Moves the sides of `box` inwards to multiples of `step` (> 0), but for sides that are held. An
+// interval that would lose its width, its minimum width or the reference by that is left as it is.
+void demands_round(const struct demands *demands, double step, struct box *box);
+
 // The volume by which boxes are compared: each width to the power of its weight.
 struct volume demands_volume(const struct demands *demands, const struct box *box,
                              const struct box *space);

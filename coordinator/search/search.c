@@ -215,6 +215,8 @@ static bool has_volume(const struct box *box, const struct box *space)
 
 static void start_certify(struct search *search)
 {
+    if (search->scenario->search.round > 0)
+        demands_round(&search->demands, search->scenario->search.round, &current(search)->box);
     if (has_volume(&current(search)->box, &search->frame.space))
         search->phase = SEARCH_PHASE_CERTIFY;
     else

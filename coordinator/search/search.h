@@ -8,6 +8,9 @@
 // Where every bound is held there is nothing to search: the search begins with certify, and ends
 // with the box as it is, whatever is found in it.
 //
+// With search.round the box is rounded inwards whenever it is about to be certified, so what is
+// attacked and certified is what is handed out.
+//
 // The last phase changes nothing in the box: it samples just outside it, to say what holds it
 // (explain.h). It may be left out.
 //

@@ -152,10 +152,22 @@ static void end(struct search *search, enum search_status status)
     search_finish_box(search, status);
 }
 
+static void round_box(struct search *search)
+{
+    const double step = search->scenario->search.round;
+    if (!(step > 0) || scenario_is_box(search->scenario))
+        return;
+    struct box *box = &search->every.box;
+    cutting_set_centre(set_of(search), box);
+    demands_round(&search->demands, step, box);
+    cutting_set_place(set_of(search), box);
+}
+
 static void attack(struct search *search)
 {
     search->every.margin = INFINITY;
     cutting_set_stand(set_of(search));
+    round_box(search);
     enter(search, EVERY_ATTACK, SEARCH_PHASE_CERTIFY);
 }
 

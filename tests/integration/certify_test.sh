@@ -60,9 +60,9 @@ broken_boxes_are_pointed_at()
         expect_no none
     }
     : >box.csv
-    _refused_box '^box.csv:1:1: expected a header and rows'
+    _refused_box '^box.csv:1:1: expected the columns'
     head -1 found/corridors.csv >box.csv
-    _refused_box '^box.csv:2:1: expected rows below the header'
+    _refused_box '^box.csv:1:1: expected a row for every variable'
     sed 3d found/corridors.csv >box.csv
     _refused_box "^box.csv:1:1: .*front.force_x\[1\] is missing"
     awk -F, -v OFS=, 'NR == 2 { $5 = 3; $6 = 2 } { print }' found/corridors.csv >box.csv
@@ -73,4 +73,39 @@ broken_boxes_are_pointed_at()
     _refused_box '^box.csv:1:1: every corridor is a single value'
     run 2 sobox-coordinator --certify found --resume found
     expect_said err '^--certify begins a run of its own'
+}
+
+# Bounds come out as multiples, inside of those of a box that is rounded, in a search too, and by any
+# workers.
+bounds_are_rounded_inwards()
+{
+    _not_rounded() # DIR
+    {
+        awk -F, 'NR > 1 && ($5 % 10000 || $6 % 10000)' "$1/corridors.csv"
+    }
+    _search rounded --round 10e3
+    expect_equal "$(_not_rounded rounded)" '' 'bounds that are no multiples'
+    expect_equal "$(json rounded/result.json '$.searches[0].status')" 'done' 'status'
+    expect_equal "$(json rounded/result.json '$.searches[0].round.left')" '[]' 'bounds left'
+    expect_said out '^rounded +inwards to multiples of 10000$'
+    _search workers --round 10e3 --workers 2
+    expect_same_run rounded workers
+    _search found
+    _certify found inside --round 10e3
+    expect_equal "$(_not_rounded inside)" '' 'bounds that are no multiples'
+    paste -d, found/corridors.csv inside/corridors.csv |
+        awk -F, 'NR > 1 && ($14 < $5 || $15 > $6) { exit 1 }' || fail 'a bound was moved outwards'
+    run 2 sobox-coordinator "$scenario" --out none --round 70e3
+    expect_said err '^--set search.round=70e3:1:1: search.round: front.force_x\[0\], 0 to 60000, has no'
+}
+
+# The strongest car is to stay inside, and its forces are no multiples: such bounds stay as they are
+# found, and that is told.
+bounds_that_cannot_be_rounded_are_told()
+{
+    run 1 sobox-coordinator "$scenario" --out coarse --round 60e3 \
+        --set 'search.reference=[60e3, 450e3, 450e3, 450e3, 450e3, 0, 0, 0, 0, 0]'
+    expect_said err 'search.round is too coarse: in 1 of 1 boxes'
+    expect_said out '^rounded +inwards to multiples of 60000, but for these'
+    expect_equal "$(json coarse/result.json '$.searches[0].round.left[0]')" 'front.force_x[1]' 'left'
 }

@@ -173,6 +173,36 @@ static void a_box_holds_every_bound(void **state)
     scenario_fini(&s);
 }
 
+// A box to certify is rounded inwards where it is read; what is a value stays one.
+static void a_box_is_rounded(void **state)
+{
+    (void)state;
+    struct scenario s =
+        read_valid(plane, "{round: 2, box: {lower: [1, 3, 4], upper: [8.5, 3, 4]}}");
+    assert_numbers(s.search.hold.lower, (const double[]){2, 3, 4}, 3);
+    assert_numbers(s.search.hold.upper, (const double[]){8, 3, 4}, 3);
+    scenario_fini(&s);
+}
+
+// Bounds that are held and values are as they were asked for; all others are to be multiples.
+static void what_may_move_is_to_be_rounded(void **state)
+{
+    (void)state;
+    struct scenario s = read_valid(plane, "{round: 2, hold: {lower: {a: 1}}}");
+    double lower[3] = {1, 4, 4}, upper[3] = {8, 6, 4};
+    const struct box box = {.count = 3, .lower = lower, .upper = upper};
+    for (uint32_t v = 0; v < 3; v++)
+        assert_true(scenario_is_rounded(&s, &box, v));
+    upper[0] = 9;
+    lower[1] = 3;
+    assert_false(scenario_is_rounded(&s, &box, 0));
+    assert_false(scenario_is_rounded(&s, &box, 1));
+    scenario_fini(&s);
+    s = read_valid(plane, "samples: 10");
+    assert_true(scenario_is_rounded(&s, &box, 1));
+    scenario_fini(&s);
+}
+
 // A tie points at its first variable whatever the order in which the names are given.
 static void ties_point_at_the_first(void **state)
 {
@@ -246,6 +276,13 @@ static void mistakes_are_pointed_at(void **state)
          "t.yaml:1:32: box.upper: expected b at least at its lower bound of 3, found 2"},
         {plane, "box: {lower: [1, 1, 4], upper: [2, 12, 4]}",
          "t.yaml:1:36: box.upper.1: expected b inside the design space, 0 to 10, found 12"},
+        {plane, "round: 0", "t.yaml:1:8: round: expected more than 0, found 0"},
+        {plane, "round: 11",
+         "t.yaml:1:8: round: a, 0 to 10, has no width between multiples of 11: expected a smaller "
+         "step"},
+        {plane, "{round: 2, box: {lower: [3, 1, 4], upper: [5, 5, 4]}}",
+         "t.yaml:1:9: round: a, 3 to 5, has no width between multiples of 2: expected a smaller "
+         "step"},
         {plane, "box: {lower: {a: 1}, upper: {a: 2, b: 2}}",
          "t.yaml:1:14: box.lower: b is missing: expected a number for every free variable"},
         {plane, "hold: {lower: {a: -1}}",
@@ -295,6 +332,8 @@ int main(void)
         cmocka_unit_test(forces_are_named_by_spring_direction_and_point),
         cmocka_unit_test(boxes_and_held_bounds_arrive),
         cmocka_unit_test(a_box_holds_every_bound),
+        cmocka_unit_test(a_box_is_rounded),
+        cmocka_unit_test(what_may_move_is_to_be_rounded),
         cmocka_unit_test(ties_point_at_the_first),
         cmocka_unit_test(mistakes_are_pointed_at),
     };

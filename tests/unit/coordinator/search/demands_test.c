@@ -141,9 +141,39 @@ static void widths_count_by_their_weights(void **state)
     box_fini(&other);
 }
 
+// Sides go inwards to multiples, but not where they are held, or where the width, the least width
+// or the reference would be lost.
+static void boxes_are_rounded_inwards(void **state)
+{
+    (void)state;
+    struct box space = box_cube(3, 0, 10);
+    struct box box = box_cube(3, 1.5, 7.5);
+    double widths[3] = {0, 5.5, 0}, held[3] = {1.5, NAN, NAN};
+    const struct scenario_search settings = {.minimum_widths = widths, .hold.lower = held};
+    struct demands demands;
+    demands_init(&demands, &settings, all, &space);
+    set(&box, 2, 3.5, 4.5);
+    demands_round(&demands, 1, &box);
+    assert_interval(&box, 0, 1.5, 7);
+    assert_interval(&box, 1, 1.5, 7.5);
+    assert_interval(&box, 2, 3.5, 4.5);
+    demands_fini(&demands);
+    double reference[3] = {5, 7.2, 5};
+    demands_init(&demands, &(struct scenario_search){.reference = reference}, all, &space);
+    set(&box, 2, 3.5, 6.5);
+    demands_round(&demands, 1, &box);
+    assert_interval(&box, 0, 2, 7);
+    assert_interval(&box, 1, 1.5, 7.5);
+    assert_interval(&box, 2, 4, 6);
+    demands_fini(&demands);
+    box_fini(&space);
+    box_fini(&box);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes_are_rounded_inwards),
         cmocka_unit_test(box_without_demands_stays),
         cmocka_unit_test(corridors_get_their_minimum_widths),
         cmocka_unit_test(reference_stays_inside_and_held_bounds_stay),

@@ -875,6 +875,30 @@ static void given_box_is_certified_as_it_is(void **state)
     }
 }
 
+// What is certified, and comes out, is the rounded box, with either promise, resumed or not.
+static void rounded_box_is_certified(void **state)
+{
+    (void)state;
+    for (int promise = PROMISE_POINTS; promise < PROMISE_COUNT; promise++) {
+        struct setting setting = asking(hypersphere, 3);
+        setting.asked.round = 0.125;
+        setting.asked.promise = (enum promise)promise;
+        struct outcome_of_search outcome = run(&setting, 1);
+        assert_int_equal(outcome.result.status, SEARCH_STATUS_DONE);
+        for (uint32_t v = 0; v < 3; v++) {
+            assert_true(fmod(outcome.box.lower[v], 0.125) == 0);
+            assert_true(fmod(outcome.box.upper[v], 0.125) == 0);
+            assert_true(width(&outcome.box, v) >= 0.5);
+        }
+        assert_true(true_purity(&setting, &outcome.box) >= 0.99);
+        setting.replay = true;
+        struct outcome_of_search resumed = run(&setting, 1);
+        assert_true(digest_equal(&resumed.result.digest, &outcome.result.digest));
+        box_fini(&resumed.box);
+        box_fini(&outcome.box);
+    }
+}
+
 // Corridors are as wide as asked for, at the cost of the others; where that cannot be had the
 // search says that the purity was missed.
 static void minimum_widths_are_kept(void **state)
@@ -1013,6 +1037,7 @@ int main(void)
         cmocka_unit_test(bad_reference_is_refused),
         cmocka_unit_test(held_bounds_stay),
         cmocka_unit_test(given_box_is_certified_as_it_is),
+        cmocka_unit_test(rounded_box_is_certified),
         cmocka_unit_test(minimum_widths_are_kept),
         cmocka_unit_test(weights_make_corridors_wide),
         cmocka_unit_test(tied_variables_share_a_corridor),
