@@ -3,6 +3,7 @@
 #include "common/base/plain.h"
 
 #include <gio/gio.h>
+#include <stdbool.h>
 #include <string.h>
 
 // What gnuplot said, on one line.
@@ -64,14 +65,18 @@ enum status gnuplot_run(const char *script_path, const char *format, GBytes **pi
 
 // A gnuplot string that is only ever text. Names may come from anywhere, so every ASCII character
 // that could mean something to gnuplot (quotes, backquotes, backslashes, '@', '$', ...) is written
-// as its octal code. Doubling quotes in a single-quoted string would not do: gnuplot 5.4 takes a
-// string that begins with a quote for an empty one.
+// as its octal code, and a digit behind one too: gnuplot reads up to four digits, "\0432" for "#2"
+// as one character that no SVG may hold. Doubling quotes in a single-quoted string would not do:
+// gnuplot 5.4 takes a string that begins with a quote for an empty one.
 char *gnuplot_quoted(const char *text)
 {
     char *plain = plain_text(text);
     GString *string = g_string_new("\"");
+    bool coded = false; // the character before
     for (const char *c = plain; *c != '\0'; c++) {
-        if ((*c & 0x80) != 0 || g_ascii_isalnum(*c) || strchr(" .,:;-_%()+=", *c) != NULL)
+        coded = (*c & 0x80) == 0 && !g_ascii_isalpha(*c) && strchr(" .,:;-_%()+=", *c) == NULL &&
+                (coded || !g_ascii_isdigit(*c));
+        if (!coded)
             g_string_append_c(string, *c);
         else
             g_string_append_printf(string, "\\%03o", (unsigned char)*c);
@@ -79,4 +84,13 @@ char *gnuplot_quoted(const char *text)
     g_string_append_c(string, '"');
     g_free(plain);
     return g_string_free(string, FALSE);
+}
+
+char *gnuplot_tick(const char *text)
+{
+    char **parts = g_strsplit(text, "%", -1);
+    char *doubled = g_strjoinv("%%", parts), *string = gnuplot_quoted(doubled);
+    g_free(doubled);
+    g_strfreev(parts);
+    return string;
 }

@@ -14,4 +14,8 @@ enum status gnuplot_run(const char *script_path, const char *format, GBytes **pi
 // A text as a gnuplot string that is only ever text. The caller frees it.
 char *gnuplot_quoted(const char *text);
 
+// The same for the name of a tick, "set xtics (NAME 0)", which gnuplot takes as a format where it
+// holds a per cent sign.
+char *gnuplot_tick(const char *text);
+
 #endif

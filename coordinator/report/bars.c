@@ -155,8 +155,10 @@ static void put_names(GString *script, const struct figure *figure, const GArray
     }
     g_string_append(script, "set ytics noenhanced (");
     for (uint32_t row = 0; row < rows->len; row++) {
-        char *shortened = g_strndup(row_name(figure, rows, row), NAME_LENGTH_MAX);
-        char *name = gnuplot_quoted(shortened);
+        const char *whole = row_name(figure, rows, row);
+        char *shortened =
+            g_utf8_substring(whole, 0, MIN(NAME_LENGTH_MAX, g_utf8_strlen(whole, -1)));
+        char *name = gnuplot_tick(shortened);
         g_string_append_printf(script, "%s%s %" PRIu32, row > 0 ? ", " : "", name, row + 1);
         g_free(name);
         g_free(shortened);

@@ -72,7 +72,7 @@ static void put_tics(GString *script, char direction, const struct scale *scale)
                                         scale->values[i]),
                                   scale->values[i])
                 : g_strdup(scale->values[i]);
-        char *label = gnuplot_quoted(cut);
+        char *label = gnuplot_tick(cut);
         g_string_append_printf(script, "%s%s %" PRIu32, i > 0 ? ", " : "", label, i);
         g_free(label);
         g_free(cut);
