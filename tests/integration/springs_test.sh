@@ -45,7 +45,7 @@ wrong_input_is_pointed_at()
     expect_said err 'a --width of more than 0 m beside an --edge-y'
     sed 's/-1.46,-1.08/-1460,-1080/' "$_boxes" >boxes.csv
     run 2 sobox-springs boxes.csv
-    expect_said err '^boxes.csv:7:12: x_min_m: expected a place within .* [(]in millimetres[?][)]'
+    expect_said err '^boxes.csv:8:12: x_min_m: expected a place within .* [(]in millimetres[?][)]'
 }
 
 springs_that_cannot_be_written_fail()
@@ -54,4 +54,35 @@ springs_that_cannot_be_written_fail()
     expect_said err 'none/springs.yaml'
     run 1 bash -c 'sobox-springs "$1" >/dev/full' _ "$_boxes"
     expect_said err 'standard output: writing failed'
+}
+
+# Alone a curve gives its points; with the boxes of its spring it adds to theirs, which a curve of
+# forces measured at the barrier does too: a design is such a table.
+curves_choose_points()
+{
+    cat >curves.csv <<'CSV'
+spring,deformation_m,force_x_N,force_y_N
+wheel,0,50e3,0
+wheel,0.2,50e3,0
+wheel,0.3,50e3,0
+wheel,0.5,300e3,0
+wheel,0.4,0,0
+wheel,0.8,300e3,0
+wheel,1.2,300e3,0
+tow-bar,0,1,0
+tow-bar,1,1,0
+CSV
+    run 0 sobox-springs --curves curves.csv
+    expect_said out 'deformation: [[]0, 0.3, 0.5, 1.2[]]$'
+    expect_said err 'spring wheel: 1 rows go back'
+    run 0 sobox-springs "$_boxes" --face-x=-2.08 --curves curves.csv
+    expect_said out 'deformation: [[]0, 0.25, 0.3, 0.5, 0.62, 1, 1.2[]]$'
+    expect_said err 'no group is called tow-bar'
+    run 0 sobox-springs --curves curves.csv --points 3
+    expect_said err 'spring wheel: 3 points miss the curve by [0-9.]* % of its greatest force'
+    run 2 sobox-springs --curves curves.csv --tolerance 0
+    expect_said err '--tolerance: expected more than 0'
+    run 0 sobox-simulate "$_ten" --design centre
+    run 2 sobox-springs --curves out
+    expect_said err '^out:1:1: expected the columns spring, deformation_m'
 }

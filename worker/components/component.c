@@ -1,6 +1,5 @@
 #include "worker/components/component.h"
-
-#include "common/table/csv.h"
+#include "worker/components/columns.h"
 
 #include <glib.h>
 #include <math.h>
@@ -20,10 +19,7 @@ enum column {
     COLUMN_COUNT
 };
 
-static const struct {
-    const char *name;
-    bool optional;
-} columns[COLUMN_COUNT] = {
+static const struct columns_name columns[COLUMN_COUNT] = {
     [COLUMN_NAME] = {"name", false},        [COLUMN_GROUP] = {"group", true},
     [COLUMN_X_MIN] = {"x_min_m", false},    [COLUMN_X_MAX] = {"x_max_m", false},
     [COLUMN_Y_MIN] = {"y_min_m", false},    [COLUMN_Y_MAX] = {"y_max_m", false},
@@ -38,70 +34,12 @@ static const char expected_columns[] = "expected the columns name, x_min_m, x_ma
 // No car reaches so far from its centre of gravity; a box in millimetres does. [m]
 static const double farthest = 10.0;
 
-#define ABSENT UINT32_MAX
-
-// ---- The header ----
-
-static enum column column_find(const struct csv_field *field)
-{
-    enum column column = 0;
-    while (column < COLUMN_COUNT && !csv_is(field, columns[column].name)) {
-        column++;
-    }
-    return column;
-}
-
-// Where each column stands, or ABSENT.
-static enum status parse_header(struct csv *csv, uint32_t place[COLUMN_COUNT], struct error *error)
-{
-    if (csv_row(csv, error) != STATUS_OK) {
-        return STATUS_INVALID;
-    }
-    for (int column = 0; column < COLUMN_COUNT; column++) {
-        place[column] = ABSENT;
-    }
-    for (uint32_t i = 0; i < csv->field_count; i++) {
-        const struct csv_field *field = &csv->fields[i];
-        const enum column column = column_find(field);
-        if (column == COLUMN_COUNT) {
-            return csv_error(csv, i, error, "%s, found \"%.*s\"", expected_columns,
-                             (int)MIN(field->size, SCENARIO_NAME_SIZE), field->text);
-        }
-        if (place[column] != ABSENT) {
-            return csv_error(csv, i, error, "expected the column %s once", columns[column].name);
-        }
-        place[column] = i;
-    }
-    for (int column = 0; column < COLUMN_COUNT; column++) {
-        if (place[column] == ABSENT && !columns[column].optional) {
-            return csv_error(csv, csv->field_count, error, "%s, found no %s", expected_columns,
-                             columns[column].name);
-        }
-    }
-    return STATUS_OK;
-}
-
 // ---- A row ----
 
 static enum status parse_name(const struct csv *csv, uint32_t at, enum column column,
                               char name[SCENARIO_NAME_SIZE], struct error *error)
 {
-    const struct csv_field *field = &csv->fields[at];
-    bool good = field->size < SCENARIO_NAME_SIZE;
-    for (size_t i = 0; good && i < field->size; i++) {
-        const char c = field->text[i];
-        good = g_ascii_isalnum(c) || c == '_' || c == '-';
-    }
-    if (!good || (field->size == 0 && !columns[column].optional)) {
-        return csv_error(csv, at, error,
-                         "%s: expected a name of 1 to %d letters, digits, '_' or '-', found "
-                         "\"%.*s\"",
-                         columns[column].name, SCENARIO_NAME_SIZE - 1,
-                         (int)MIN(field->size, SCENARIO_NAME_SIZE), field->text);
-    }
-    memcpy(name, field->text, field->size);
-    name[field->size] = '\0';
-    return STATUS_OK;
+    return columns_identifier(csv, at, &columns[column], name, SCENARIO_NAME_SIZE, error);
 }
 
 static enum status parse_coordinate(const struct csv *csv, uint32_t at, enum column column,
@@ -144,7 +82,7 @@ static enum status parse_force(const struct csv *csv, uint32_t at, enum column c
                                double *force, struct error *error)
 {
     *force = NAN;
-    if (at == ABSENT || csv->fields[at].size == 0) {
+    if (at == COLUMNS_ABSENT || csv->fields[at].size == 0) {
         return STATUS_OK;
     }
     if (csv_number(csv, at, columns[column].name, "N", force, error) != STATUS_OK) {
@@ -171,14 +109,8 @@ static enum status check_new(const struct csv *csv, uint32_t at, const struct co
 }
 
 static enum status parse_row(const struct csv *csv, const uint32_t place[COLUMN_COUNT],
-                             uint32_t header_count, struct component_list *list,
-                             struct error *error)
+                             struct component_list *list, struct error *error)
 {
-    if (csv->field_count != header_count) {
-        return csv_error(csv, csv->field_count, error,
-                         "expected %u fields as in the header, found %u", header_count,
-                         csv->field_count);
-    }
     if (list->count == COMPONENT_MAX) {
         return csv_error(csv, 0, error, "expected at most %d components", COMPONENT_MAX);
     }
@@ -186,7 +118,7 @@ static enum status parse_row(const struct csv *csv, const uint32_t place[COLUMN_
     *item = (struct component){.line = csv->line};
     if (parse_name(csv, place[COLUMN_NAME], COLUMN_NAME, item->name, error) != STATUS_OK ||
         check_new(csv, place[COLUMN_NAME], list, error) != STATUS_OK ||
-        (place[COLUMN_GROUP] != ABSENT &&
+        (place[COLUMN_GROUP] != COLUMNS_ABSENT &&
          parse_name(csv, place[COLUMN_GROUP], COLUMN_GROUP, item->group, error) != STATUS_OK) ||
         parse_box(csv, place, &item->box, error) != STATUS_OK) {
         return STATUS_INVALID;
@@ -211,21 +143,16 @@ enum status component_parse(struct component_list *list, const char *source, con
     list->source = source;
     list->count = 0;
     list->forces = true;
-    if (parse_header(&csv, place, error) != STATUS_OK) {
+    if (columns_read(&csv, columns, COLUMN_COUNT, expected_columns, place, error) != STATUS_OK) {
         return STATUS_INVALID;
     }
-    const uint32_t header_count = csv.field_count;
-    for (;;) {
-        if (csv_row(&csv, error) != STATUS_OK) {
+    const uint32_t field_count = csv.field_count;
+    do {
+        if (columns_row(&csv, field_count, error) != STATUS_OK ||
+            (csv.field_count > 0 && parse_row(&csv, place, list, error) != STATUS_OK)) {
             return STATUS_INVALID;
         }
-        if (csv.field_count == 0) {
-            break;
-        }
-        if (parse_row(&csv, place, header_count, list, error) != STATUS_OK) {
-            return STATUS_INVALID;
-        }
-    }
+    } while (csv.field_count > 0);
     return list->count > 0 ? STATUS_OK
                            : csv_error(&csv, 0, error, "expected at least one component");
 }

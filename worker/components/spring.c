@@ -52,27 +52,28 @@ static uint32_t find_ends(const struct component_list *components, const struct 
     return kept;
 }
 
-// Whether a component of the group stands at x. A component holds its front end; its rear end
-// counts only where no other one takes over.
-static bool stands_at(const struct component *component, double x, bool rear)
+// How far x lies from a component, counted to the last place at which no other one takes over. [m]
+static double distance(const struct component *component, double x)
 {
     const double from = component->box.min[AXIS_X] - same_place;
     const double to = component->box.max[AXIS_X] - same_place;
-    return x >= from && (rear ? x <= to + 2.0 * same_place : x < to);
+    return x < from ? from - x : x >= to ? x - to : 0.0;
 }
 
+// The components nearest to x together: those that stand there, or in a free way those beside it.
 static double force_at(const struct component_list *components, const struct group_list *groups,
                        uint32_t group, double x, enum scenario_direction direction)
 {
     double force = 0.0;
-    bool stands = false;
-    for (int rear = 0; rear <= 1 && !stands; rear++) {
-        for (uint32_t i = 0; i < components->count; i++) {
-            if (groups->of[i] == group && stands_at(&components->items[i], x, rear == 1)) {
-                force += components->items[i].force[direction];
-                stands = true;
-            }
+    double nearest = INFINITY;
+    for (uint32_t i = 0; i < components->count; i++) {
+        const struct component *item = &components->items[i];
+        if (groups->of[i] != group || distance(item, x) > nearest) {
+            continue;
         }
+        force = distance(item, x) < nearest ? 0.0 : force;
+        nearest = distance(item, x);
+        force += item->force[direction];
     }
     return force;
 }
@@ -86,7 +87,7 @@ static double find_path(const struct component_list *components, const struct gr
         bool stands = false;
         for (uint32_t k = 0; k < components->count; k++) {
             stands = stands ||
-                     (groups->of[k] == group && stands_at(&components->items[k], ends[i], false));
+                     (groups->of[k] == group && distance(&components->items[k], ends[i]) == 0.0);
         }
         path += stands ? ends[i + 1] - ends[i] : 0.0;
     }
@@ -107,6 +108,20 @@ static enum status check_front(const struct component_list *components,
         }
     }
     return STATUS_OK;
+}
+
+static void set_points(struct spring *spring, const struct component_list *components,
+                       const struct group_list *groups, uint32_t group, double face_x,
+                       const double *deformation, uint32_t count)
+{
+    spring->point_count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        spring->deformation[i] = deformation[i];
+        for (int k = 0; k < SCENARIO_DIRECTION_COUNT; k++) {
+            spring->force_upper[k][i] = force_at(components, groups, group, face_x + deformation[i],
+                                                 (enum scenario_direction)k);
+        }
+    }
 }
 
 enum status spring_make(struct spring *spring, const struct component_list *components,
@@ -136,12 +151,24 @@ enum status spring_make(struct spring *spring, const struct component_list *comp
             "at most %d",
             components->source, spring->name, spring->point_count, SCENARIO_POINT_MAX);
     }
-    for (uint32_t i = 0; i < spring->point_count; i++) {
-        spring->deformation[i] = to_micrometres(ends[i] - face_x);
-        for (int k = 0; k < SCENARIO_DIRECTION_COUNT; k++) {
-            spring->force_upper[k][i] =
-                force_at(components, groups, group, ends[i], (enum scenario_direction)k);
-        }
+    for (uint32_t i = 0; i < end_count; i++) {
+        ends[i] = to_micrometres(ends[i] - face_x);
     }
+    set_points(spring, components, groups, group, face_x, ends, spring->point_count);
     return STATUS_OK;
+}
+
+void spring_choose(struct spring *spring, const struct component_list *components,
+                   const struct group_list *groups, uint32_t group, double face_x,
+                   const struct points_choice *choice)
+{
+    spring->chosen = *choice;
+    set_points(spring, components, groups, group, face_x, choice->deformation, choice->count);
+}
+
+void spring_of_curve(struct spring *spring, const char *name, const struct points_choice *choice)
+{
+    *spring = (struct spring){.length = NAN, .chosen = *choice, .point_count = choice->count};
+    memcpy(spring->name, name, sizeof spring->name);
+    memcpy(spring->deformation, choice->deformation, sizeof spring->deformation);
 }

@@ -17,6 +17,7 @@
 #define SOBOX_WORKER_COMPONENTS_SPRING_H
 
 #include "worker/components/group.h"
+#include "worker/components/points.h"
 
 struct spring {
     char name[SCENARIO_NAME_SIZE];
@@ -25,8 +26,9 @@ struct spring {
     double height;        // [m] of the patch's middle above the road
     double path;          // [m] along which components stand: their lengths without free ways
     uint32_t point_count; // 2..SCENARIO_POINT_MAX
-    double deformation[SCENARIO_POINT_MAX];                           // [m] ascending
-    bool forces;                                                      // the table gives them
+    double deformation[SCENARIO_POINT_MAX]; // [m] ascending
+    struct points_choice chosen; // how the points follow a reference curve; of 0: none was given
+    bool forces;                 // the table gives them
     double force_upper[SCENARIO_DIRECTION_COUNT][SCENARIO_POINT_MAX]; // [N]
 };
 
@@ -35,6 +37,14 @@ struct spring {
 enum status spring_make(struct spring *spring, const struct component_list *components,
                         const struct group_list *groups, uint32_t group, double face_x,
                         struct error *error) MUST_USE;
+
+// Gives the spring other points, chosen on a reference curve among which its own are.
+void spring_choose(struct spring *spring, const struct component_list *components,
+                   const struct group_list *groups, uint32_t group, double face_x,
+                   const struct points_choice *choice);
+
+// The spring of a reference curve of which nothing but the points is known: length is NAN.
+void spring_of_curve(struct spring *spring, const char *name, const struct points_choice *choice);
 
 // The foremost x of all components: where the face is when nobody says. [m]
 double spring_foremost(const struct group_list *groups);

@@ -27,20 +27,46 @@ static void append_forces(GString *text, const struct spring *spring,
     g_string_append(text, "}\n");
 }
 
-static void append_spring(GString *text, const struct spring *spring, const struct group *group)
+// What the spring holds, as comments.
+static void append_comments(GString *text, const struct spring *spring, const struct group *group)
+{
+    if (group != NULL) {
+        const struct component_box *box = &group->box;
+        g_string_append_printf(
+            text, "  # %u component%s along %g m; patch y %g .. %g, z %g .. %g m\n",
+            group->component_count, group->component_count == 1 ? "" : "s", spring->path,
+            box->min[AXIS_Y], box->max[AXIS_Y], box->min[AXIS_Z], box->max[AXIS_Z]);
+    }
+    const struct points_choice *chosen = &spring->chosen;
+    if (chosen->of > 0) {
+        g_string_append_printf(text,
+                               "  # %u points for the curve's %u: missed by at most %.1f %% of the "
+                               "greatest force,\n"
+                               "  # %.1f %% of the energy in x and %.1f %% in y misplaced\n",
+                               chosen->count, chosen->of, 100.0 * chosen->miss,
+                               100.0 * chosen->misplaced[SCENARIO_DIRECTION_X],
+                               100.0 * chosen->misplaced[SCENARIO_DIRECTION_Y]);
+    }
+}
+
+static void append_geometry(GString *text, const struct spring *spring)
 {
     char digits[2][DECIMAL_SIZE];
-    const struct component_box *box = &group->box;
-    g_string_append_printf(text,
-                           "  # %u component%s along %g m; patch y %g .. %g, z %g .. %g m\n"
-                           "  - name: %s\n    position: ",
-                           group->component_count, group->component_count == 1 ? "" : "s",
-                           spring->path, box->min[AXIS_Y], box->max[AXIS_Y], box->min[AXIS_Z],
-                           box->max[AXIS_Z], spring->name);
+    g_string_append(text, "    position: ");
     append_list(text, spring->position, 2);
-    g_string_append_printf(text, "\n    length: %s\n    height: %s\n    deformation: ",
+    g_string_append_printf(text, "\n    length: %s\n    height: %s\n",
                            decimal_text(spring->length, digits[0]),
                            decimal_text(spring->height, digits[1]));
+}
+
+static void append_spring(GString *text, const struct spring *spring, const struct group *group)
+{
+    append_comments(text, spring, group);
+    g_string_append_printf(text, "  - name: %s\n", spring->name);
+    if (group != NULL) {
+        append_geometry(text, spring);
+    }
+    g_string_append(text, "    deformation: ");
     append_list(text, spring->deformation, spring->point_count);
     g_string_append_c(text, '\n');
     for (int k = 0; spring->forces && k < SCENARIO_DIRECTION_COUNT; k++) {
@@ -48,11 +74,11 @@ static void append_spring(GString *text, const struct spring *spring, const stru
     }
 }
 
-char *springs_text(const struct spring *springs, const struct group_list *groups)
+char *springs_text(const struct spring *springs, uint32_t count, const struct group_list *groups)
 {
     GString *text = g_string_new("springs:\n");
-    for (uint32_t i = 0; i < groups->count; i++) {
-        append_spring(text, &springs[i], &groups->items[i]);
+    for (uint32_t i = 0; i < count; i++) {
+        append_spring(text, &springs[i], groups != NULL ? &groups->items[i] : NULL);
     }
     return g_string_free(text, FALSE);
 }

@@ -4,8 +4,9 @@
 
 #include "worker/components/spring.h"
 
-// The YAML of the springs, one for each group, each under a comment that says what it holds. The
-// caller frees it with g_free().
-char *springs_text(const struct spring *springs, const struct group_list *groups);
+// The YAML of the springs, one for each group, each under a comment that says what it holds.
+// Springs of curves alone (`groups` NULL) have a name and points only. The caller frees it with
+// g_free().
+char *springs_text(const struct spring *springs, uint32_t count, const struct group_list *groups);
 
 #endif

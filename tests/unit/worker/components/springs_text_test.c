@@ -42,11 +42,11 @@ static void springs_read_as_a_scenario_has_them(void **state)
                                "    deformation: [0.1, 1.1]\n";
     static const char forces[] = "    force_x: {lower: 0, upper: [100000, 120000]}\n"
                                  "    force_y: {lower: 0, upper: [1.5, 2]}\n";
-    g_autofree char *text = springs_text(&spring, &groups);
+    g_autofree char *text = springs_text(&spring, 1, &groups);
     g_autofree char *expected = g_strconcat(head, forces, NULL);
     assert_string_equal(text, expected);
     spring.forces = false;
-    g_autofree char *without = springs_text(&spring, &groups);
+    g_autofree char *without = springs_text(&spring, 1, &groups);
     assert_string_equal(without, head);
 }
 
