@@ -378,13 +378,12 @@ static bool check_counts(const struct tree_node *node, const struct scenario *sc
     // A certificate of each kind, and enough steps of an adversary for a box to take shape.
     const uint64_t least_every =
         4 * (uint64_t)search->certificate_samples + SEARCH_EVERY_STEPS * (uint64_t)search->samples;
-    if (search->promise == PROMISE_EVERY && search->evaluations > 0 &&
+    if (search->promise != PROMISE_POINTS && search->evaluations > 0 &&
         search->evaluations < least_every) {
-        tree_error(
-            tree_child(node, "evaluations"), error,
-            "expected at least %llu for promise: every, a certificate of each kind of designs "
-            "and an adversarial search, found %llu; promise: points takes less",
-            (unsigned long long)least_every, (unsigned long long)search->evaluations);
+        tree_error(tree_child(node, "evaluations"), error,
+                   "expected at least %llu for this promise, a certificate of each kind of designs "
+                   "and an adversarial search, found %llu; promise: points takes less",
+                   (unsigned long long)least_every, (unsigned long long)search->evaluations);
         return false;
     }
     if (search->evaluations > 0 && search->evaluations < least) {

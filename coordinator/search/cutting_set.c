@@ -32,6 +32,7 @@ static const double cutting_set_price_most = 1e4;
 static const double cutting_set_price_factor = 3;      // over what a limit is worth
 static const double cutting_set_mend_tolerance = 1e-3; // after a first bad design, and
 static const double cutting_set_mend_rise = 1.5;       // times that after each other one
+static const double cutting_set_relax_reach = 0.1;
 static const double cutting_set_mend_reach = 0.05;
 static const double cutting_set_held = 0.02;  // of what a side's place is worth: less is no hold
 static const double cutting_set_touch = 1e-3; // of its width from an edge: a side is put on it
@@ -118,12 +119,14 @@ void cutting_set_init(struct cutting_set *set, const struct frame *frame,
         .sides = 2 * frame->space.count,
         .reach = cutting_set_reach,
         .tolerance = cutting_set_tolerance,
+        .least = cutting_set_tolerance_least,
         .fall = cutting_set_tolerance_fall,
         .price = cutting_set_price,
         .centre_margin = -INFINITY,
     };
     set->centre = g_new0(double, set->sides + 1);
     set->trial = g_new(double, set->sides + 1);
+    set->kept = g_new0(double, set->sides + 1);
     set->cuts = g_new0(struct cut, CUTTING_SET_CUTS);
     box_init(&set->box, frame->all.count);
     for (uint32_t v = 0; v < frame->space.count; v++) {
@@ -145,6 +148,7 @@ void cutting_set_fini(struct cutting_set *set)
     }
     g_free(set->cuts);
     g_free(set->centre);
+    g_free(set->kept);
     g_free(set->trial);
     box_fini(&set->box);
     adversary_fini(&set->adversary);
@@ -400,7 +404,7 @@ void cutting_set_complete(struct cutting_set *set, const struct sampling *sampli
     const double of_trial = merit(set, log_volume(set, set->trial), report->margin);
     const bool first = set->step == 0;
     const double gain = first ? INFINITY : of_trial - cutting_set_merit(set);
-    const bool at_least = set->tolerance <= cutting_set_tolerance_least;
+    const bool at_least = set->tolerance <= set->least;
     set->still = at_least && !(gain > cutting_set_trifle) ? set->still + 1 : 0;
     if (gain > 0) {
         memcpy(set->centre, set->trial, set->sides * sizeof *set->centre);
@@ -413,8 +417,8 @@ void cutting_set_complete(struct cutting_set *set, const struct sampling *sampli
         set->reach = set->reach > cutting_set_reach_least ? set->reach : cutting_set_reach_least;
     }
     set->tolerance *= set->fall;
-    if (set->tolerance < cutting_set_tolerance_least)
-        set->tolerance = cutting_set_tolerance_least;
+    if (set->tolerance < set->least)
+        set->tolerance = set->least;
     set->step++;
     forget(set);
     revive(set);
@@ -425,6 +429,27 @@ void cutting_set_refine(struct cutting_set *set)
 {
     set->fall = cutting_set_tolerance_refine;
     set->refined = true;
+}
+
+void cutting_set_relax(struct cutting_set *set, double amount)
+{
+    set->least = set->tolerance = cutting_set_tolerance_least - amount;
+    set->still = 0;
+    set->standing = false;
+    set->reach = fmax(set->reach, cutting_set_relax_reach);
+    make_trial(set);
+}
+
+void cutting_set_keep(struct cutting_set *set)
+{
+    const bool first = set->kept[1] == 0; // no box ends there
+    if (first || log_volume(set, set->centre) > log_volume(set, set->kept))
+        memcpy(set->kept, set->centre, set->sides * sizeof *set->kept);
+}
+
+void cutting_set_take_back(struct cutting_set *set)
+{
+    memcpy(set->centre, set->kept, set->sides * sizeof *set->centre);
 }
 
 bool cutting_set_resting(const struct cutting_set *set)

@@ -29,11 +29,13 @@ struct cutting_set {
     struct adversary adversary;
     uint32_t sides;       // 2 x free variables; all lengths in units of the design space
     double *centre;       // (sides) the best box so far
+    double *kept;         // (sides) see cutting_set_keep()
     double *trial;        // (sides) what is attacked next
     double centre_margin; // least margin measured in the centre; -infinity before the first
     bool centre_clean;    // no sample of its step was bad
     double reach;         // by how much of a width a side may move in one step
-    double tolerance;     // margin that limits keep
+    double tolerance;     // margin that limits keep, and
+    double least;         // the least that it falls to
     double price;         // of a unit of margin, in log-volume
     double shadow;        // what a unit of tolerance costs, as the last trial had it
     struct cut *cuts;     // (cut_count)
@@ -69,6 +71,14 @@ void cutting_set_complete(struct cutting_set *set, const struct sampling *sampli
 
 // Lets the tolerance fall to its least within some twenty steps: what is left is to be exact.
 void cutting_set_refine(struct cutting_set *set);
+
+// Lets all limits be missed by up to `amount` from now on (in the constraints' own scale; 0: by
+// nothing), and sets out from the centre again.
+void cutting_set_relax(struct cutting_set *set, double amount);
+
+// Keeps the centre if it is larger than what is kept, and goes back to what is kept.
+void cutting_set_keep(struct cutting_set *set);
+void cutting_set_take_back(struct cutting_set *set);
 
 // Whether the tolerance is at its least and nothing has been gained for some steps.
 bool cutting_set_resting(const struct cutting_set *set);

@@ -267,8 +267,8 @@ static void start_explore(struct search *search)
 {
     plan_init(&search->plan, search->scenario, search->evaluations);
     uint32_t count = plan_starts(&search->plan);
-    if (search->scenario->search.promise == PROMISE_EVERY && search->scenario->search.starts == 0 &&
-        search->given.begin.count == 0)
+    if (search->scenario->search.promise != PROMISE_POINTS &&
+        search->scenario->search.starts == 0 && search->given.begin.count == 0)
         count = (search->plan.exploration_steps + search->plan.consolidation_steps) / 20;
     struct cloud starts;
     cloud_init(&starts, search->frame.space.count);
@@ -278,7 +278,7 @@ static void start_explore(struct search *search)
         count--;
     }
     seek_starts(&search->seek, count, &starts);
-    if (search->scenario->search.promise == PROMISE_EVERY) {
+    if (search->scenario->search.promise != PROMISE_POINTS) {
         search_every_start(search, &starts,
                            search->plan.exploration_steps + search->plan.consolidation_steps);
         cloud_fini(&starts);
@@ -304,7 +304,7 @@ static bool all_good(const struct search *search)
 // Sampled the whole design space and found it good: there is nothing to search for.
 static void take_whole_space(struct search *search)
 {
-    if (search->scenario->search.promise == PROMISE_EVERY) {
+    if (search->scenario->search.promise != PROMISE_POINTS) {
         // Not for an adversary, perhaps: the design space is where it begins.
         struct cloud none;
         cloud_init(&none, search->frame.space.count);
@@ -561,7 +561,7 @@ void search_complete(struct search *search, const struct verdict *verdicts)
 // There is a box, and nothing to search: it is certified as it is.
 static void take_given_box(struct search *search)
 {
-    if (search->scenario->search.promise == PROMISE_EVERY)
+    if (search->scenario->search.promise != PROMISE_POINTS)
         search_every_take(search);
     else
         take_whole_space(search);

@@ -17,10 +17,15 @@
 enum {
     EVERY_ATTACK_STEPS = 24, // on a box before it is certified
     EVERY_MEND_STEPS = 12,
+    EVERY_RELAX_STEPS = 10,  // with one amount by which limits may be missed, then
+    EVERY_SHARE_TIMES = 10,  // times `samples` designs of each kind
     EVERY_MENDS = 12,        // at most
     EVERY_TAKEN = 3,         // bad samples of a certificate that become attacks
     EVERY_STEPS_A_START = 8, // at least
 };
+
+// The bad share that is wanted of a box to be certified, as a part of what may be bad.
+static const double every_share_wanted = 0.5;
 
 static const double every_relaxation = 0.01; // of a constraint's scale, as in gain.h
 
@@ -49,6 +54,11 @@ static void ask_attack(struct search *search)
 
 void search_every_ask(struct search *search)
 {
+    if (search->every.stage == EVERY_SHARE) {
+        search_ask(search, &search->every.box, EVERY_SHARE_TIMES * search->scenario->search.samples,
+                   protocol_kind_method(search->kind), VERDICT_DETAIL_SHARE);
+        return;
+    }
     if (search->every.stage != EVERY_CERTIFY) {
         ask_attack(search);
         return;
@@ -171,6 +181,44 @@ static void attack(struct search *search)
     enter(search, EVERY_ATTACK, SEARCH_PHASE_CERTIFY);
 }
 
+// ---- the promise of curves: the box of good designs, of which a little is given away (relax.h)
+
+static void relax(struct search *search)
+{
+    cutting_set_relax(set_of(search), search->every.relax.amount);
+    enter(search, EVERY_RELAX, SEARCH_PHASE_CONSOLIDATE);
+}
+
+static void look_at_shares(struct search *search)
+{
+    search->every.bad_share = 0;
+    search->kind = DESIGN_KIND_POINTS;
+    enter(search, EVERY_SHARE, SEARCH_PHASE_CONSOLIDATE);
+}
+
+// What one kind showed of the box; after the last one the next amount is tried.
+static void complete_share(struct search *search)
+{
+    struct search_every *every = &search->every;
+    const uint32_t samples = search->request.sampling.samples;
+    every->bad_share =
+        fmax(every->bad_share, (double)(samples - search->good_count) / (double)samples);
+    search->kind = search_next_kind(search);
+    if ((uint32_t)search->kind < DESIGN_KIND_COUNT)
+        return;
+    search->kind = DESIGN_KIND_POINTS;
+    const double most = every_share_wanted * (1 - search->scenario->search.target_purity);
+    const bool kept = every->bad_share <= most;
+    if (kept)
+        cutting_set_keep(set_of(search));
+    if (relax_next(&every->relax, kept)) {
+        relax(search);
+        return;
+    }
+    cutting_set_take_back(set_of(search));
+    attack(search);
+}
+
 void search_every_take(struct search *search)
 {
     begin(search, &(struct cloud){0}, 0);
@@ -187,6 +235,21 @@ static void mend(struct search *search)
     search->kind = DESIGN_KIND_POINTS;
     cutting_set_mend(set_of(search));
     enter(search, EVERY_MEND, SEARCH_PHASE_CONSOLIDATE);
+}
+
+// Whether a bad design has to leave the box.
+static bool mends_bad(const struct search *search)
+{
+    return search->scenario->search.promise == PROMISE_EVERY && !scenario_is_box(search->scenario);
+}
+
+// Each round of looks begins with points: when theirs are used up, so is what may err.
+static void certify(struct search *search)
+{
+    if (search->certificate.looks == CERTIFICATE_LOOKS)
+        end(search, SEARCH_STATUS_PURITY_MISSED);
+    else
+        enter(search, EVERY_CERTIFY, SEARCH_PHASE_CERTIFY);
 }
 
 // ---- what came of a step
@@ -211,8 +274,13 @@ static void complete_attack(struct search *search, const struct verdict *verdict
     if (every->stage == EVERY_GROW) {
         const bool spent = robust_complete(&every->robust, &search->request.sampling, verdicts);
         search->phase = every->robust.round < 2 ? SEARCH_PHASE_EXPLORE : SEARCH_PHASE_CONSOLIDATE;
-        if (spent)
+        if (spent && search->scenario->search.promise == PROMISE_CURVES) {
+            cutting_set_keep(set_of(search));
+            relax_init(&every->relax);
+            relax(search);
+        } else if (spent) {
             attack(search);
+        }
         return;
     }
     cutting_set_complete(set_of(search), &search->request.sampling, verdicts, report);
@@ -225,10 +293,12 @@ static void complete_attack(struct search *search, const struct verdict *verdict
     }
     if (every->stage == EVERY_MEND && every->stage_steps == EVERY_MEND_STEPS)
         attack(search);
-    else if (every->stage == EVERY_ATTACK && report->bad > 0 && !scenario_is_box(search->scenario))
+    else if (every->stage == EVERY_RELAX && every->stage_steps == EVERY_RELAX_STEPS)
+        look_at_shares(search);
+    else if (every->stage == EVERY_ATTACK && report->bad > 0 && mends_bad(search))
         mend(search);
     else if (every->stage == EVERY_ATTACK && every->stage_steps == EVERY_ATTACK_STEPS)
-        enter(search, EVERY_CERTIFY, SEARCH_PHASE_CERTIFY);
+        certify(search);
 }
 
 // Makes an attack of a sample of a certificate.
@@ -258,20 +328,27 @@ static void complete_kind(struct search *search, const struct verdict *verdicts)
         if (verdicts[i].violation != VERDICT_GOOD && taken++ < EVERY_TAKEN)
             attack_by(search, i, &verdicts[i]);
     }
-    if (bad > 0 && certificate->looks < CERTIFICATE_LOOKS && !scenario_is_box(search->scenario)) {
+    if (bad > 0 && mends_bad(search)) {
         mend(search);
         return;
     }
     search->kind = search_next_kind(search);
     if ((uint32_t)search->kind < DESIGN_KIND_COUNT)
         return;
-    const bool every_good = search->every.margin >= 0;
-    bool certified = every_good;
+    bool certified = search->every.margin >= 0 || search->scenario->search.promise != PROMISE_EVERY;
     for (int kind = DESIGN_KIND_POINTS; kind < DESIGN_KIND_COUNT; kind++) {
         const struct certificate *of_kind =
             kind == DESIGN_KIND_POINTS ? &search->certificate : &search->kinds[kind];
         certified = certified && (of_kind->looks == 0 ||
                                   of_kind->lower95 >= search->scenario->search.target_purity);
+    }
+    if (!certified && search->scenario->search.promise == PROMISE_CURVES &&
+        !scenario_is_box(search->scenario) && search->certificate.looks < CERTIFICATE_LOOKS) {
+        relax_back(&search->every.relax);
+        search->kind = DESIGN_KIND_POINTS;
+        cutting_set_relax(set_of(search), search->every.relax.amount);
+        enter(search, EVERY_MEND, SEARCH_PHASE_CONSOLIDATE);
+        return;
     }
     end(search, certified ? SEARCH_STATUS_DONE : SEARCH_STATUS_PURITY_MISSED);
 }
@@ -281,9 +358,11 @@ void search_every_complete(struct search *search, const struct verdict *verdicts
     assert(search_every_active(search));
     if (search->every.stage == EVERY_CERTIFY)
         complete_kind(search, verdicts);
+    else if (search->every.stage == EVERY_SHARE)
+        complete_share(search);
     else
         complete_attack(search, verdicts);
-    if (search->scenario->search.promise == PROMISE_EVERY)
+    if (search->scenario->search.promise != PROMISE_POINTS)
         cutting_set_centre(set_of(search), &search->every.box);
 }
 

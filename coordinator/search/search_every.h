@@ -7,6 +7,7 @@
 #ifndef SOBOX_COORDINATOR_SEARCH_SEARCH_EVERY_H
 #define SOBOX_COORDINATOR_SEARCH_SEARCH_EVERY_H
 
+#include "coordinator/search/relax.h"
 #include "coordinator/search/robust.h"
 
 struct search;
@@ -17,7 +18,9 @@ enum search_every_stage {
     EVERY_ATTACK,
     EVERY_CERTIFY,
     EVERY_MEND,
-    EVERY_LOOK, // at a box that another promise was kept for: nothing follows from it
+    EVERY_RELAX, // towards a box that keeps the promise "curves": attacked, then
+    EVERY_SHARE, // looked at by each kind
+    EVERY_LOOK,  // at a box that another promise was kept for: nothing follows from it
 };
 
 struct search_every {
@@ -27,6 +30,8 @@ struct search_every {
     struct box box;            // free variables: the best one so far
     uint32_t stage_steps;      // finished in this stage
     uint32_t mends;            // so far
+    struct relax relax;        // of the promise "curves"
+    double bad_share;          // the greatest of the kinds that EVERY_SHARE has looked at
     double margin;             // least margin found in the box by the attack that came last
     struct box worst;          // all variables: the design that has it, lower equal to upper
     uint8_t *holders; // (2 x all variables) constraint that holds each bound, once it is over

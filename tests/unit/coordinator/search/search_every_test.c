@@ -161,6 +161,27 @@ static void whole_curves_decide(void **state)
     attacked_fini(&problem);
 }
 
+// The promise of curves stands between the two: each kind keeps the wanted share, which a box
+// without bad designs need not be asked for, and single bad designs may be left.
+static void curves_are_promised_in_shares(void **state)
+{
+    (void)state;
+    struct attacked problem;
+    set_up(&problem, strength, 2, 0, 1);
+    struct ended every = run(&problem, 1, 0);
+    problem.scenario.search.promise = PROMISE_CURVES;
+    problem.scenario.search.target_purity = 0.4;
+    struct ended curves = run(&problem, 1, 0);
+    assert_int_equal(curves.result.status, SEARCH_STATUS_DONE);
+    assert_true(curves.result.log_volume > every.result.log_volume + 0.1);
+    for (int kind = DESIGN_KIND_POINTS; kind < DESIGN_KIND_COUNT; kind++)
+        assert_true(curves.result.kinds[kind].lower95 >= 0.4);
+    assert_true(curves.result.margin < 0);
+    box_fini(&every.box);
+    box_fini(&curves.box);
+    attacked_fini(&problem);
+}
+
 // Killed in any phase, in the attack and between certificates too, a search ends with the same
 // bits.
 static void replayed_search_ends_with_the_same_digest(void **state)
@@ -226,6 +247,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_box_holds_good_designs_only),
         cmocka_unit_test(whole_curves_decide),
+        cmocka_unit_test(curves_are_promised_in_shares),
         cmocka_unit_test(replayed_search_ends_with_the_same_digest),
         cmocka_unit_test(no_good_design_is_said),
         cmocka_unit_test(fixed_variables_stay),
