@@ -325,7 +325,7 @@ static __attribute__((noinline)) void kernel_find_events(const struct kinematics
 
 // Remembers of one spring what the next step is held against. Returns, as bits, where it began or
 // ceased to act within the step that ends now, and for spring 0, or all whose greatest deformation
-// is wanted, where it began or ceased to touch.
+// is wanted, where it ceased to touch.
 LANES_INLINE uint32_t kernel_keep_event(struct problem_features features, uint32_t index,
                                         uint32_t number, const struct kernel_place *place,
                                         struct lanes deformation, struct lanes_mask contact,
@@ -347,7 +347,7 @@ LANES_INLINE uint32_t kernel_keep_event(struct problem_features features, uint32
         other |= event->unloads[before] ^ event->unloads[now];
     }
     if (index == 0 || features.deepest) {
-        other |= event->contact[before] ^ event->contact[now];
+        other |= event->contact[before] & ~event->contact[now];
     }
     if (features.rounded) {
         lanes_store(event->deformation[now], deformation);

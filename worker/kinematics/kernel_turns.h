@@ -92,8 +92,8 @@ LANES_INLINE uint32_t kernel_turning(const struct kinematics_problem *problem,
     const struct lanes turn = lanes_mul(next->yaw, pose->inverse);
     const struct lanes swing = lanes_fma(next->yaw, tangent, lanes_set(1.0));
     const struct lanes across = lanes_mul(lanes_mul(turn, pose->inverse), swing);
-    const struct lanes squares =
-        lanes_fma(tangent, tangent, lanes_mul(pose->inverse, pose->inverse));
+    const struct lanes squares = // tan^2 + 1 / cos^2
+        lanes_fma(lanes_add(tangent, tangent), tangent, lanes_set(1.0));
     const struct lanes lever = lanes_fma(lanes_mul(lanes_set(0.5), next->yaw), squares, tangent);
     const struct lanes along =
         lanes_fma(lanes_mul(at->x, next->yaw), lever, lanes_mul(next->x, swing));
