@@ -8,6 +8,9 @@
 #include "common/base/whole_file.h"
 #include "common/scenario/plausibility.h"
 #include "common/scenario/scenario_read.h"
+#include "common/table/csv.h"
+#include "worker/components/component.h"
+#include "worker/components/group.h"
 #include "worker/reduction/doubts.h"
 #include "worker/reduction/reduction.h"
 
@@ -45,6 +48,7 @@ struct options {
     char *forces; // "-": standard input
     char *motion;
     char *output;
+    char *components; // NULL: patches end half-way between springs
     char **set;
     gboolean version;
     char *scenario;
@@ -81,6 +85,8 @@ static enum status options_parse(struct options *options, int argc, char **argv,
          "The motion of the centre of gravity", "MOTION.csv"},
         {"output", 'o', 0, G_OPTION_ARG_FILENAME, &options->output, "Where to write the design",
          "DESIGN.csv"},
+        {"components", 'c', 0, G_OPTION_ARG_FILENAME, &options->components,
+         "The boxes of the springs' components, as sobox-springs takes them", "COMPONENTS.csv"},
         {"set", 's', 0, G_OPTION_ARG_FILENAME_ARRAY, &options->set,
          "Override a key of the scenario, for instance springs.0.height=0.4; may be repeated",
          "KEY.PATH=VALUE"},
@@ -104,6 +110,7 @@ static void options_fini(struct options *options)
     g_free(options->forces);
     g_free(options->motion);
     g_free(options->output);
+    g_free(options->components);
     g_strfreev(options->set);
     g_free(options->scenario);
 }
@@ -149,6 +156,22 @@ static enum status read_motion(const char *path, struct motion *motion, struct e
         }
     }
     return STATUS_OK;
+}
+
+// Leaves NULL where no components are given.
+static enum status read_groups(const char *path, struct group_list **groups, struct error *error)
+{
+    if (path == NULL) {
+        return STATUS_OK;
+    }
+    size_t size;
+    g_autofree char *text = csv_load(path, &size, error);
+    g_autofree struct component_list *components = g_new0(struct component_list, 1);
+    *groups = g_new0(struct group_list, 1);
+    if (text == NULL || component_parse(components, path, text, size, error) != STATUS_OK) {
+        return STATUS_INVALID;
+    }
+    return group_make(*groups, components, error);
 }
 
 // Hands on the whole lines of `piece`, which holds `size` bytes; all of them at the end of the
@@ -320,9 +343,11 @@ static enum status print_summary(const struct reduction_summary *summary,
 // ---- The program ----
 
 static enum status reduce(const struct options *options, const struct scenario *scenario,
-                          const struct motion *motion, struct error *error)
+                          const struct group_list *groups, const struct motion *motion,
+                          struct error *error)
 {
-    struct reduction *reduction = reduction_create(scenario, motion, options->forces, error);
+    struct reduction *reduction =
+        reduction_create(scenario, groups, motion, options->forces, error);
     if (reduction == NULL) {
         return STATUS_INVALID;
     }
@@ -353,12 +378,16 @@ static enum status barrier_forces(const struct options *options, struct error *e
 {
     struct scenario scenario = {0};
     struct motion motion = {0};
+    g_autofree struct group_list *groups = NULL;
     enum status status = read_scenario(options, &scenario, error);
     if (status == STATUS_OK) {
         status = read_motion(options->motion, &motion, error);
     }
     if (status == STATUS_OK) {
-        status = reduce(options, &scenario, &motion, error);
+        status = read_groups(options->components, &groups, error);
+    }
+    if (status == STATUS_OK) {
+        status = reduce(options, &scenario, groups, &motion, error);
     }
     motion_fini(&motion);
     scenario_fini(&scenario);

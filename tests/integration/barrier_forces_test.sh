@@ -65,6 +65,26 @@ table_need_not_fit_memory()
     expect_equal "$(json out '$.node_forces')" 453000 'node forces'
 }
 
+# One group's box takes the whole face, as one spring does; a group of another name is of no use.
+boxes_of_components_share_the_forces()
+{
+    _measure centre
+    local arguments=("$scenario" --forces forces.csv --motion motion.csv)
+    run 0 sobox-barrier-forces "${arguments[@]}" --output design.csv
+    local spring
+    spring=$(sed -n '2s/,.*//p' design.csv)
+    { echo name,group,x_min_m,x_max_m,y_min_m,y_max_m,z_min_m,z_max_m
+        echo "front,$spring,-2,-0.8,-0.9,-0.6,0.2,0.8"; } >boxes.csv
+    run 0 sobox-barrier-forces "${arguments[@]}" --components boxes.csv --output boxed.csv
+    cmp design.csv boxed.csv || fail 'the design differs'
+    sed -i 's/,-2,/,wide,/' boxes.csv
+    run 2 sobox-barrier-forces "${arguments[@]}" --components boxes.csv --output boxed.csv
+    expect_said err '^boxes.csv:2:[0-9]*: x_min_m: expected a finite number'
+    sed -i "s/wide/-2/; s/,$spring,/,other,/" boxes.csv
+    run 2 sobox-barrier-forces "${arguments[@]}" --components boxes.csv --output boxed.csv
+    expect_said err "spring $spring has no components"
+}
+
 wrong_forces_are_pointed_at()
 {
     _measure centre

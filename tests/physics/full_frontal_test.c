@@ -196,7 +196,7 @@ static void reduce_and_run(uint32_t columns, const struct motion *reference, str
         springs[i].position[1] = ((i + 0.5) / columns - 0.5) * COLUMNS * cell;
         g_snprintf(springs[i].name, SCENARIO_NAME_SIZE, "column-%u", i + 1);
     }
-    struct reduction *reduction = reduction_create(&model, reference, "forces", &error);
+    struct reduction *reduction = reduction_create(&model, NULL, reference, "forces", &error);
     assert_non_null(reduction);
     if (reduction_read(reduction, table->str, table->len, &error) != STATUS_OK ||
         reduction_finish(reduction, &design, &result->summary, &error) != STATUS_OK) {

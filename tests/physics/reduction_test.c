@@ -182,7 +182,8 @@ static void reduce_and_simulate(const struct crash *truth, struct crash *model, 
     struct design design;
     take_motion(truth, &motion);
     GString *table = node_forces(truth, stride, reach);
-    struct reduction *reduction = reduction_create(&model->scenario, &motion, "table", &error);
+    struct reduction *reduction =
+        reduction_create(&model->scenario, NULL, &motion, "table", &error);
     assert_non_null(reduction);
     if (reduction_read(reduction, table->str, table->len, &error) != STATUS_OK ||
         reduction_finish(reduction, &design, summary, &error) != STATUS_OK) {

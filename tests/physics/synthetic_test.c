@@ -183,7 +183,8 @@ static void reduce_and_run(const struct lattice_record *record, const struct mod
     struct design design;
     struct error error = {0};
     GString *table = force_table(record);
-    struct reduction *reduction = reduction_create(&model->scenario, &motion, "forces", &error);
+    struct reduction *reduction =
+        reduction_create(&model->scenario, NULL, &motion, "forces", &error);
     assert_non_null(reduction);
     if (reduction_read(reduction, table->str, table->len, &error) != STATUS_OK ||
         reduction_finish(reduction, &design, summary, &error) != STATUS_OK) {

@@ -2,6 +2,7 @@
 
 #include <glib.h>
 #include <math.h>
+#include <string.h>
 
 // Springs nearer than this stand one above the other. [m]
 static const double same_y = 1e-6;
@@ -34,10 +35,32 @@ static enum status check_heights(const struct scenario *scenario, uint32_t below
                      scenario->name, lower->name, upper->name, lower->position[1]);
 }
 
+static enum status find_groups(struct patches *patches, const struct scenario *scenario,
+                               const struct group_list *groups, struct error *error)
+{
+    for (uint32_t i = 0; i < scenario->spring_count; i++) {
+        const char *name = scenario->springs[i].name;
+        for (uint32_t k = 0; k < groups->count; k++) {
+            if (strcmp(groups->items[k].name, name) == 0) {
+                patches->groups[i] = &groups->items[k];
+            }
+        }
+        if (patches->groups[i] == NULL) {
+            return error_set(error, STATUS_INVALID,
+                             "%s: spring %s has no components: expected a group of its name",
+                             scenario->name, name);
+        }
+    }
+    return STATUS_OK;
+}
+
 enum status patches_init(struct patches *patches, const struct scenario *scenario,
-                         struct error *error)
+                         const struct group_list *groups, struct error *error)
 {
     *patches = (struct patches){.scenario = scenario};
+    if (groups != NULL && find_groups(patches, scenario, groups, error) != STATUS_OK) {
+        return STATUS_INVALID;
+    }
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         patches->order[i] = i;
     }
@@ -50,7 +73,7 @@ enum status patches_init(struct patches *patches, const struct scenario *scenari
             scenario->springs[spring].position[1] - scenario->springs[before].position[1];
         if (i == 0 || apart >= same_y) {
             patches->column_first[patches->column_count++] = i;
-        } else if (check_heights(scenario, before, spring, error) != STATUS_OK) {
+        } else if (groups == NULL && check_heights(scenario, before, spring, error) != STATUS_OK) {
             return STATUS_INVALID;
         }
     }
@@ -126,6 +149,35 @@ void patches_move(struct patches *patches, double x, double y, double yaw)
 
 // ---- Search ----
 
+static double beyond(double at, double from, double to)
+{
+    return fmax(0.0, fmax(from - at, at - to));
+}
+
+// The spring whose rectangle is nearest, then whose middle is.
+static uint32_t find_nearest(const struct patches *patches, double y, double z)
+{
+    uint32_t found = PATCHES_NONE;
+    double found_apart = INFINITY;
+    double found_off = INFINITY;
+    for (uint32_t i = 0; i < patches->scenario->spring_count; i++) {
+        const struct component_box *box = &patches->groups[i]->box;
+        const double moved =
+            patches->springs[i].projection - patches->scenario->springs[i].position[1];
+        const double apart =
+            hypot(beyond(y - moved, box->min[1], box->max[1]), beyond(z, box->min[2], box->max[2]));
+        const double off = hypot(y - moved - 0.5 * (box->min[1] + box->max[1]),
+                                 z - 0.5 * (box->min[2] + box->max[2]));
+        if (patches->springs[i].projected &&
+            (apart < found_apart || (apart == found_apart && off < found_off))) {
+            found = i;
+            found_apart = apart;
+            found_off = off;
+        }
+    }
+    return found;
+}
+
 uint32_t patches_find(const struct patches *patches, double y, double z)
 {
     const struct scenario *scenario = patches->scenario;
@@ -134,6 +186,9 @@ uint32_t patches_find(const struct patches *patches, double y, double z)
     if (patches->shown_count == 0 || !(y <= barrier->edge_y + slack) ||
         !(y >= barrier->edge_y - barrier->width - slack)) {
         return PATCHES_NONE;
+    }
+    if (patches->groups[0] != NULL) {
+        return find_nearest(patches, y, z);
     }
     uint32_t at = 0;
     while (at + 1 < patches->shown_count && y > patches->border[at]) {

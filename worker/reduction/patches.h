@@ -7,6 +7,10 @@
 //        |   |     a     |     |          divided half-way between projection points; the outermost
 //            far_y                edge_y  reach to the ends of the face.
 //
+// Where the components of each spring are known as boxes, a force goes to the spring whose
+// rectangle is nearest to it, of those that overlap there to the one whose middle is. The
+// rectangles move with the projection points.
+//
 // A spring that has no projection, because its line passes the face or the vehicle turned by more
 // than 90 degrees, has no patch: it could not hand on the force, and its neighbours take it.
 #ifndef SOBOX_WORKER_REDUCTION_PATCHES_H
@@ -14,6 +18,7 @@
 
 #include "common/base/error.h"
 #include "common/scenario/scenario.h"
+#include "worker/components/group.h"
 
 #include <stdbool.h>
 
@@ -28,6 +33,7 @@ struct patches_spring {
 struct patches {
     const struct scenario *scenario; // borrowed
     struct patches_spring springs[SCENARIO_SPRING_MAX];
+    const struct group *groups[SCENARIO_SPRING_MAX]; // of each spring, borrowed; NULL: no boxes
 
     // Springs in order of their y, then of their height; a column is a run of equal y.
     uint32_t order[SCENARIO_SPRING_MAX];
@@ -40,10 +46,11 @@ struct patches {
     uint32_t shown_count;
 };
 
-// Takes in the springs of a scenario, which stays in use. Errors: STATUS_INVALID (springs that
-// share y need heights, and different ones).
+// Takes in the springs of a scenario, and the groups of components of their names, or NULL; both
+// stay in use. Errors: STATUS_INVALID (a spring has no group; without groups springs that share y
+// need heights, and different ones).
 enum status patches_init(struct patches *patches, const struct scenario *scenario,
-                         struct error *error) MUST_USE;
+                         const struct group_list *groups, struct error *error) MUST_USE;
 
 // Moves the vehicle: its COG to (x, y) [m] in the scenario's axes, its yaw [rad].
 void patches_move(struct patches *patches, double x, double y, double yaw);

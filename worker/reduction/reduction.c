@@ -61,8 +61,9 @@ struct reduction {
     GArray *sums;              // of struct balance_sample
 };
 
-struct reduction *reduction_create(const struct scenario *scenario, const struct motion *motion,
-                                   const char *source, struct error *error)
+struct reduction *reduction_create(const struct scenario *scenario, const struct group_list *groups,
+                                   const struct motion *motion, const char *source,
+                                   struct error *error)
 {
     struct reduction *reduction = g_new0(struct reduction, 1);
     reduction->scenario = scenario;
@@ -73,7 +74,7 @@ struct reduction *reduction_create(const struct scenario *scenario, const struct
     for (uint32_t i = 0; i < scenario->spring_count; i++) {
         reduction->samples[i] = g_array_new(FALSE, FALSE, sizeof(struct branches_sample));
     }
-    if (patches_init(&reduction->patches, scenario, error) != STATUS_OK) {
+    if (patches_init(&reduction->patches, scenario, groups, error) != STATUS_OK) {
         reduction_free(reduction);
         return NULL;
     }

@@ -14,6 +14,7 @@
 #ifndef SOBOX_WORKER_REDUCTION_REDUCTION_H
 #define SOBOX_WORKER_REDUCTION_REDUCTION_H
 
+#include "worker/components/group.h"
 #include "worker/models/design.h"
 #include "worker/models/motion.h"
 #include "worker/reduction/balance.h"
@@ -42,11 +43,13 @@ struct reduction_summary {
 
 struct reduction;
 
-// Begins a reduction. `scenario` and `motion`, which has all three quantities, stay in use, and so
-// does `source`, which stands for the table in messages. The caller frees it; NULL with `error` set
-// (STATUS_INVALID) when the springs' places do not tell them apart.
-struct reduction *reduction_create(const struct scenario *scenario, const struct motion *motion,
-                                   const char *source, struct error *error);
+// Begins a reduction. `scenario`, the `groups` of components of its springs (or NULL) and `motion`,
+// which has all three quantities, stay in use, and so does `source`, which stands for the table in
+// messages. The caller frees it; NULL with `error` set (STATUS_INVALID) when the springs' places do
+// not tell them apart.
+struct reduction *reduction_create(const struct scenario *scenario, const struct group_list *groups,
+                                   const struct motion *motion, const char *source,
+                                   struct error *error);
 void reduction_free(struct reduction *reduction);
 
 // Takes the next lines of the table, the first with its header: text that ends with a whole line,

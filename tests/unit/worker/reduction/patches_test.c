@@ -35,7 +35,7 @@ static int set_up(void **state)
         };
     }
     struct error error;
-    assert_int_equal(patches_init(&patches, &scenario, &error), STATUS_OK);
+    assert_int_equal(patches_init(&patches, &scenario, NULL, &error), STATUS_OK);
     return 0;
 }
 
@@ -123,9 +123,44 @@ static void springs_that_share_y_need_heights(void **state)
         springs[1].height = wrong[i][0];
         springs[3].height = wrong[i][1];
         struct error error;
-        assert_int_equal(patches_init(&patches, &scenario, &error), STATUS_INVALID);
+        assert_int_equal(patches_init(&patches, &scenario, NULL, &error), STATUS_INVALID);
         assert_non_null(strstr(error.text, "share y = -0.8 m"));
     }
+}
+
+// With boxes a force goes to the nearest rectangle, in an overlap to the nearest middle, and the
+// rectangles move with the car; heights are not asked for, groups of all springs are.
+static void boxes_take_what_is_nearest(void **state)
+{
+    (void)state;
+    static const double patches_of[4][4] = {{-0.6, -0.4, 0.2, 0.4},
+                                            {-0.9, -0.7, 0.6, 0.8},
+                                            {-0.3, -0.1, 0.2, 0.4},
+                                            {-0.9, -0.58, 0.2, 0.4}};
+    static struct group_list groups = {.count = 4};
+    for (int i = 0; i < 4; i++) {
+        const double *p = patches_of[i];
+        groups.items[i] = (struct group){.name = {(char)('a' + i)},
+                                         .box = {{-2.0, p[0], p[2]}, {-0.8, p[1], p[3]}}};
+        springs[i].height = (double)NAN;
+    }
+    struct error error = {0};
+    assert_int_equal(patches_init(&patches, &scenario, &groups, &error), STATUS_OK);
+    patches_move(&patches, 0.0, 0.0, 0.0);
+    assert_int_equal(patches_find(&patches, -0.65, 0.3), 3);
+    assert_int_equal(patches_find(&patches, -0.65, 0.55), 1);
+    assert_int_equal(patches_find(&patches, -0.65, 0.45), 3);
+    assert_int_equal(patches_find(&patches, -0.582, 0.3), 0);
+    assert_int_equal(patches_find(&patches, -0.41, 0.5), 0);
+    assert_int_equal(patches_find(&patches, -0.39, 0.3), PATCHES_NONE);
+    patches_move(&patches, -0.3, 0.05, 0.0);
+    assert_int_equal(patches_find(&patches, -0.56, 0.3), 3);
+    patches_move(&patches, -0.3, 0.15, 0.0);
+    assert_int_equal(patches_find(&patches, -0.41, 0.3), 3);
+    groups.count = 3;
+    assert_int_equal(patches_init(&patches, &scenario, &groups, &error), STATUS_INVALID);
+    assert_string_equal(error.text,
+                        "car: spring d has no components: expected a group of its name");
 }
 
 int main(void)
@@ -137,6 +172,7 @@ int main(void)
         cmocka_unit_test_setup(rounded_edge_is_met_on_its_circle, set_up),
         cmocka_unit_test_setup(quarter_turn_leaves_no_patch, set_up),
         cmocka_unit_test_setup(springs_that_share_y_need_heights, set_up),
+        cmocka_unit_test_setup(boxes_take_what_is_nearest, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

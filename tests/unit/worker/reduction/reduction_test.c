@@ -42,7 +42,7 @@ static int set_up(void **state)
 static enum status reduce(const char *text, bool by_line, struct design *design,
                           struct reduction_summary *summary, struct error *error)
 {
-    struct reduction *reduction = reduction_create(&scenario, &motion, "f.csv", error);
+    struct reduction *reduction = reduction_create(&scenario, NULL, &motion, "f.csv", error);
     assert_non_null(reduction);
     enum status status = STATUS_OK;
     const char *end = text + strlen(text);
@@ -178,7 +178,7 @@ static void every_odd_byte_is_read_or_refused(void **state)
             struct design design;
             struct reduction_summary summary;
             struct error error;
-            reduction = reduction_create(&scenario, &motion, "f.csv", &error);
+            reduction = reduction_create(&scenario, NULL, &motion, "f.csv", &error);
             if (reduction_read(reduction, text, sizeof text - 1, &error) == STATUS_OK &&
                 reduction_finish(reduction, &design, &summary, &error) == STATUS_OK) {
                 design_fini(&design);
