@@ -1,9 +1,11 @@
 // sobox-coordinator: reads a scenario or a sweep, runs its searches on the workers, writes the run
 // folder. Or it evaluates a table of designs on them.
 
+#include "common/base/arithmetic.h"
 #include "common/base/clock.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
+#include "common/base/processors.h"
 #include "common/base/streams.h"
 #include "common/base/wait_policy.h"
 #include "common/numeric/identity.h"
@@ -252,7 +254,8 @@ static int outcome(const struct run *run, struct error *error)
 static int run_scenario(const struct command_line *options, const struct key *key,
                         struct error *error)
 {
-    const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
+    const int threads =
+        options->threads > 0 ? processors_limited(options->threads) : processors_usable();
     struct run run;
     enum status status = open_run(&run, options, threads, error);
     if (status != STATUS_OK || options->dry_run)
@@ -312,7 +315,8 @@ static void print_evaluation(const struct evaluation *evaluation)
 static int run_evaluation(const struct command_line *options, const struct key *key,
                           struct error *error)
 {
-    const int threads = options->threads > 0 ? options->threads : (int)g_get_num_processors();
+    const int threads =
+        options->threads > 0 ? processors_limited(options->threads) : processors_usable();
     struct evaluation evaluation = {.file = -1};
     struct evaluate evaluate = {0};
     enum status status = open_evaluation(&evaluation, options, error);
@@ -364,6 +368,7 @@ int main(int argc, char **argv)
 {
     streams_start();
     wait_policy_sleep(argv);
+    arithmetic_start();
     struct command_line options;
     struct error error = {0};
     log_start("sobox-coordinator", LOG_NORMAL);

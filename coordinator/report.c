@@ -1,6 +1,7 @@
 // sobox-report: plots and exports of a run folder.
 
 #include "coordinator/report/report.h"
+#include "common/base/arithmetic.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
 #include "common/base/streams.h"
@@ -323,6 +324,7 @@ static enum status report(const struct options *options, struct error *error)
 int main(int argc, char **argv)
 {
     streams_start();
+    arithmetic_start();
     log_start("sobox-report", LOG_NORMAL);
     struct options options;
     struct error error = {0};

@@ -1,6 +1,7 @@
 // sobox-barrier-forces: from the forces on a barrier's nodes and the motion of the vehicle to each
 // spring's force-deformation curve, as a design for sobox-simulate. The thinking is done in
 // worker/reduction; here are options and files.
+#include "common/base/arithmetic.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
@@ -397,6 +398,7 @@ static enum status barrier_forces(const struct options *options, struct error *e
 int main(int argc, char **argv)
 {
     streams_start();
+    arithmetic_start();
     struct options options = {0};
     struct error error = {0};
     log_start("sobox-barrier-forces", LOG_NORMAL);

@@ -1,5 +1,6 @@
 // sobox-worker: a worker as a program of its own. Any number of them, on any machine, may come and
 // go while a coordinator runs.
+#include "common/base/arithmetic.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
@@ -253,6 +254,7 @@ int main(int argc, char **argv)
 {
     streams_start();
     wait_policy_sleep(argv);
+    arithmetic_start();
     log_start("sobox-worker", LOG_NORMAL);
     struct options options = {.priority = WORKER_PRIORITY_DEFAULT, .mtu = WIRE_MTU_DEFAULT};
     struct error error = {0};

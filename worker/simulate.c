@@ -1,5 +1,6 @@
 // sobox-simulate: one design through the scenario's model. Prints its outcomes as JSON; of the
 // crash model it writes the trajectory and compares it with a measured or finite-element motion.
+#include "common/base/arithmetic.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
@@ -522,6 +523,7 @@ static enum status simulate(const struct options *options, struct error *error)
 int main(int argc, char **argv)
 {
     streams_start();
+    arithmetic_start();
     struct options options = {0};
     struct error error = {0};
     log_start("sobox-simulate", LOG_NORMAL);

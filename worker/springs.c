@@ -1,6 +1,7 @@
 // sobox-springs: from the boxes of a car's components, from reference curves, or from both to the
 // springs of a scenario. The thinking is
 // done in worker/components; here are options and files.
+#include "common/base/arithmetic.h"
 #include "common/base/error.h"
 #include "common/base/log.h"
 #include "common/base/options.h"
@@ -360,6 +361,7 @@ static enum status springs(const struct options *options, struct error *error)
 int main(int argc, char **argv)
 {
     streams_start();
+    arithmetic_start();
     struct options options = {
         .face_x = NAN,
         .edge_y = NAN,

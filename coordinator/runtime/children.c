@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/processors.h"
 
 #include <errno.h>
 #include <glib.h>
@@ -84,7 +85,7 @@ enum status children_start(struct children **children, const struct children_set
                          "sobox-worker is neither beside this program nor on the PATH");
     int threads = settings->threads;
     if (threads == 0)
-        threads = (int)MAX(1u, g_get_num_processors() / settings->count);
+        threads = MAX(1, processors_usable() / (int)settings->count);
 
     struct children *made = g_malloc0(sizeof *made + settings->count * sizeof(struct child));
     made->count = settings->count;

@@ -2,6 +2,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/base/processors.h"
 #include "common/base/watch.h"
 #include "common/protocol/protocol.h"
 #include "common/wire/codec.h"
@@ -15,7 +16,6 @@
 #include <glib-unix.h>
 #include <glib.h>
 #include <inttypes.h>
-#include <omp.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -464,7 +464,9 @@ enum status worker_start(struct worker **started, struct wire *wire, uint64_t se
     struct worker *worker = g_new0(struct worker, 1);
     worker->settings = *settings;
     if (worker->settings.threads == 0)
-        worker->settings.threads = omp_get_num_procs();
+        worker->settings.threads = processors_usable();
+    // More than OpenMP gives would be announced and never run.
+    worker->settings.threads = processors_limited(worker->settings.threads);
     worker->wire = wire;
     worker->sender = sender;
     worker->fingerprint = fingerprint_compute();
