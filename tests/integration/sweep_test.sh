@@ -162,6 +162,21 @@ case_without_a_good_design_is_a_row()
     run 3 sobox-coordinator sweep.yaml --out none --only '*=1.2,*'
 }
 
+# An unlikely case is pointed at in the sweep's own file, by its name; one that cannot be meant ends
+# the sweep before it starts.
+implausible_cases_are_named()
+{
+    _write_sweep 1
+    sed -i 's/path: .*/path: vehicle.speed, values: [17.889, 64.4]}/' sweep.yaml
+    run 0 sobox-coordinator sweep.yaml --dry-run
+    expect_said err '^sweep.yaml:4:[0-9]+: warning: vehicle.speed: .*64.4 km/h.*in the case speed=64.4,'
+    expect_said err '1 of 2 cases are unlikely'
+    sed -i 's/64.4/17889/' sweep.yaml
+    run 2 sobox-coordinator sweep.yaml --out run
+    expect_said err '^sweep.yaml:4:[0-9]+: vehicle.speed: .*in the case speed=17889,'
+    expect_no run
+}
+
 # Somebody changed what one search has done so far: it cannot go on, the others can.
 search_that_fails_is_a_row_and_not_the_end()
 {
