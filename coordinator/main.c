@@ -55,8 +55,12 @@ static enum status begin_sweep(struct run *run, const struct command_line *optio
                                const GPtrArray *overrides, int threads, struct error *error)
 {
     struct sweep *sweep;
-    enum status status = sweep_read_file(
-        &sweep, options->scenario, (const char *const *)overrides->pdata, overrides->len, error);
+    const char *const *texts = (const char *const *)overrides->pdata;
+    enum status status =
+        options->seeds > 0
+            ? sweep_of_seeds(&sweep, options->scenario, texts, overrides->len,
+                             (uint32_t)options->seeds, error)
+            : sweep_read_file(&sweep, options->scenario, texts, overrides->len, error);
     if (status != STATUS_OK)
         return status;
     if (options->dry_run)
@@ -124,7 +128,7 @@ static enum status open_run(struct run *run, const struct command_line *options,
         g_ptr_array_add(overrides, g_strconcat("search.round=", options->round, NULL));
     enum status status = options->certify != NULL ? add_box(overrides, options, error) : STATUS_OK;
     if (status == STATUS_OK)
-        status = sweep_detect(options->scenario)
+        status = options->seeds > 0 || sweep_detect(options->scenario)
                      ? begin_sweep(run, options, overrides, threads, error)
                      : begin_scenario(run, options, overrides, threads, error);
     g_ptr_array_free(overrides, TRUE);
@@ -222,7 +226,9 @@ static enum status show(const char *directory, struct error *error)
     if (status != STATUS_OK)
         return status;
     struct error undrawn = {0};
-    if (report_draw(directory, &(struct report_plot){.format = PICTURE_SVG}, &undrawn) != STATUS_OK)
+    if (report_draw(directory,
+                    &(struct report_plot){.format = PICTURE_SVG, .search = REPORT_SEARCH_SHOWN},
+                    &undrawn) != STATUS_OK)
         log_note("no picture: %s", undrawn.text);
     return report_print(directory, &(struct report_table){0}, stdout, error);
 }

@@ -9,6 +9,7 @@
 
 #include <glib.h>
 #include <glib/gstdio.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -35,6 +36,8 @@ static const char program_description[] =
     "Exit status: 0 done; 1 failed while running; 2 usage or invalid input; 3 a curve that was "
     "checked\n"
     "leaves its corridor.";
+
+enum { SEARCH_NOT_GIVEN = INT_MIN };
 
 struct options {
     char *directory;
@@ -110,7 +113,7 @@ static enum status options_check(const struct options *options, struct error *er
     if (options->directory == NULL)
         return error_set(error, STATUS_INVALID,
                          "no run folder: expected sobox-report DIR (see --help)");
-    if (options->search < 0)
+    if (options->search < 0 && options->search != SEARCH_NOT_GIVEN)
         return error_set(error, STATUS_INVALID, "--search %d: expected 0 or more", options->search);
     if (check_curves(options, error) != STATUS_OK)
         return STATUS_INVALID;
@@ -134,7 +137,7 @@ static enum status options_check(const struct options *options, struct error *er
 static enum status options_parse(struct options *options, int argc, char **argv,
                                  struct error *error)
 {
-    *options = (struct options){.first_id = 1};
+    *options = (struct options){.first_id = 1, .search = SEARCH_NOT_GIVEN};
     const GOptionEntry entries[] = {
         {"compare", 'c', 0, G_OPTION_ARG_FILENAME, &options->compare,
          "Draw the corridors of a second run over those of the first, for springs of one name, in "
@@ -172,7 +175,9 @@ static enum status options_parse(struct options *options, int argc, char **argv,
         {"first-id", 0, 0, G_OPTION_ARG_INT, &options->first_id,
          "Number of the first curve that --export writes for a solver (default: 1)", "N"},
         {"search", 's', 0, G_OPTION_ARG_INT, &options->search,
-         "Draw, export or check this search of a sweep (default: 0)", "N"},
+         "Draw, export or check this search of a sweep (default: of several seeds the best, else "
+         "0)",
+         "N"},
         G_OPTION_ENTRY_NULL,
     };
     const struct options_program program = {
@@ -220,6 +225,11 @@ static bool exports_due(const char *directory)
     return due;
 }
 
+static uint32_t search_asked_for(const struct options *options)
+{
+    return options->search == SEARCH_NOT_GIVEN ? REPORT_SEARCH_SHOWN : (uint32_t)options->search;
+}
+
 // ---- pictures ----
 
 // Of a sweep its cases over each other, its volumes, or both; else the corridors of one search.
@@ -227,7 +237,7 @@ static enum status draw(const struct options *options, enum picture_format forma
                         struct error *error)
 {
     const struct report_plot plot = {.format = format,
-                                     .search = (uint32_t)options->search,
+                                     .search = search_asked_for(options),
                                      .compare = options->compare,
                                      .normalise = options->normalise,
                                      .output = options->out};
@@ -276,7 +286,7 @@ static enum status draw_all(const struct options *options, struct error *error)
 }
 
 static enum status export(const struct options *options, struct error *error) {
-    const struct report_export settings = {.search = (uint32_t)options->search,
+    const struct report_export settings = {.search = search_asked_for(options),
                                            .format = options->export,
                                            .units = options->units ? options->units : "N-m-s",
                                            .folder = options->out,
@@ -290,7 +300,7 @@ static enum status export(const struct options *options, struct error *error) {
 
 static enum status check(const struct options *options, bool *inside, struct error *error)
 {
-    const struct report_check settings = {.search = (uint32_t)options->search,
+    const struct report_check settings = {.search = search_asked_for(options),
                                           .path = options->check,
                                           .units = options->units ? options->units : "N-m-s"};
     return report_check(options->directory, &settings, stdout, inside, error);

@@ -120,12 +120,10 @@ static void free_tree(gpointer tree)
     tree_free(tree);
 }
 
-enum status sweep_read_file(struct sweep **result, const char *path, const char *const *overrides,
-                            size_t override_count, struct error *error)
+// Takes the tree of a sweep's document; NULL: `error` says why there is none.
+static enum status read_tree(struct sweep **result, struct tree *tree, const char *const *overrides,
+                             size_t override_count, struct error *error)
 {
-    *result = NULL;
-    struct error unread;
-    error = error != NULL ? error : &unread;
     struct sweep *sweep = g_new0(struct sweep, 1);
     sweep->strings = g_string_chunk_new(4096);
     sweep->trees = g_ptr_array_new_with_free_func(free_tree);
@@ -133,13 +131,43 @@ enum status sweep_read_file(struct sweep **result, const char *path, const char 
     sweep->columns = g_array_new(FALSE, FALSE, sizeof(struct sweep_column));
     sweep->paths = g_ptr_array_new_null_terminated(0, NULL, TRUE);
     sweep->case_count = 1;
-    sweep->tree = tree_load(path, error);
+    sweep->tree = tree;
     if (sweep->tree == NULL || !read_document(sweep, overrides, override_count, error)) {
         sweep_free(sweep);
         return STATUS_INVALID;
     }
     *result = sweep;
     return STATUS_OK;
+}
+
+enum status sweep_read_file(struct sweep **sweep, const char *path, const char *const *overrides,
+                            size_t override_count, struct error *error)
+{
+    struct error unread;
+    error = error != NULL ? error : &unread;
+    *sweep = NULL;
+    return read_tree(sweep, tree_load(path, error), overrides, override_count, error);
+}
+
+enum status sweep_of_seeds(struct sweep **sweep, const char *path, const char *const *overrides,
+                           size_t override_count, uint32_t count, struct error *error)
+{
+    struct error unread;
+    error = error != NULL ? error : &unread;
+    *sweep = NULL;
+    struct scenario scenario;
+    enum status status = scenario_read_file(&scenario, path, overrides, override_count, error);
+    if (status != STATUS_OK)
+        return status;
+    // In single quotes a quote alone means something, and is doubled.
+    g_auto(GStrv) parts = g_strsplit(path, "'", -1);
+    g_autofree char *base = g_strjoinv("''", parts);
+    g_autofree char *text =
+        g_strdup_printf("{sweep: '%s', base: '%s', replicates: %u}", scenario.name, base, count);
+    g_autofree char *source = g_strdup_printf("--seeds %u", count);
+    scenario_fini(&scenario);
+    return read_tree(sweep, tree_parse(source, text, strlen(text), error), overrides,
+                     override_count, error);
 }
 
 void sweep_free(struct sweep *sweep)

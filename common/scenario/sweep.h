@@ -48,6 +48,11 @@ bool sweep_detect(const char *path);
 enum status sweep_read_file(struct sweep **sweep, const char *path, const char *const *overrides,
                             size_t override_count, struct error *error) MUST_USE;
 
+// A sweep of one scenario over `count` seeds, its own and those that follow it, under the
+// scenario's name: the same as a file with `replicates` and no axes. Errors: as above.
+enum status sweep_of_seeds(struct sweep **sweep, const char *path, const char *const *overrides,
+                           size_t override_count, uint32_t count, struct error *error) MUST_USE;
+
 // NULL is fine.
 void sweep_free(struct sweep *sweep);
 

@@ -7,6 +7,7 @@
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
+#include "coordinator/report/seeds.h"
 #include "coordinator/report/warnings.h"
 #include "coordinator/report/worst.h"
 
@@ -22,6 +23,15 @@ static void csv_number(FILE *csv, double value)
 {
     char text[NUMBER_SIZE];
     fprintf(csv, ",%s", decimal_text(value, text));
+}
+
+// A number that is not known is an empty cell.
+static void csv_known(FILE *csv, bool known, double value)
+{
+    if (known)
+        csv_number(csv, value);
+    else
+        fputc(',', csv);
 }
 
 // Where a corridor's interval belongs: a point of a spring, or the variable that it is alone.
@@ -46,8 +56,13 @@ static const char *reach_word(const struct run_data_search *search, uint32_t var
     return reach_variable(&search->reach, &search->scenario, variable) ? "yes" : "no";
 }
 
-static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_search *search)
+// Of a run of several seeds the best box is the result; its bounds have a spread.
+static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_search *search,
+                          const struct seeds *seeds)
 {
+    const bool alone = seeds->spread.count > 0;
+    if (alone && index != seeds->best)
+        return;
     const struct scenario *scenario = &search->scenario;
     for (uint32_t i = 0; search->box != NULL && i < search->box->count; i++) {
         corridor_place(csv, index, scenario, &scenario->variables[i]);
@@ -55,7 +70,12 @@ static void corridor_rows(FILE *csv, uint32_t index, const struct run_data_searc
         csv_number(csv, search->box->upper[i]);
         csv_number(csv, scenario->design_space.lower[i]);
         csv_number(csv, scenario->design_space.upper[i]);
-        fprintf(csv, ",%s\n", reach_word(search, i));
+        fprintf(csv, ",%s", reach_word(search, i));
+        if (alone) {
+            csv_known(csv, !isnan(seeds->spread.lower[i]), seeds->spread.lower[i]);
+            csv_known(csv, !isnan(seeds->spread.upper[i]), seeds->spread.upper[i]);
+        }
+        fputc('\n', csv);
     }
 }
 
@@ -89,15 +109,6 @@ static void csv_text(FILE *csv, const char *text)
         fputc('"', csv);
     }
     g_free(plain);
-}
-
-// A number that is not known is an empty cell.
-static void csv_known(FILE *csv, bool known, double value)
-{
-    if (known)
-        csv_number(csv, value);
-    else
-        fputc(',', csv);
 }
 
 // The columns of the corridors are those of the first case; in a case that has other variables the
@@ -346,6 +357,28 @@ static json_t *json_search(const struct run_data *data, const struct run_data_se
     return object;
 }
 
+static json_t *json_bound(double value, double spread)
+{
+    return json_pack("{s:f, s:o}", "value", value, "spread", json_number(spread));
+}
+
+// What several seeds say of the best box.
+static json_t *json_seeds(const struct seeds *seeds, const struct run_data_search *best)
+{
+    json_t *variables = json_array();
+    for (uint32_t v = 0; v < seeds->spread.count; v++)
+        json_array_append_new(
+            variables, json_pack("{s:s, s:o, s:o}", "name", best->scenario.variables[v].name,
+                                 "lower", json_bound(best->box->lower[v], seeds->spread.lower[v]),
+                                 "upper", json_bound(best->box->upper[v], seeds->spread.upper[v])));
+    json_t *log_volume = json_pack("{s:o, s:o, s:o, s:o}", "best", json_number(seeds->log_volume),
+                                   "mean", json_number(seeds->log_volume_mean), "least",
+                                   json_number(seeds->log_volume_least), "spread",
+                                   json_number(seeds->log_volume_spread));
+    return json_pack("{s:i, s:i, s:o, s:o}", "best", (int)seeds->best, "searches",
+                     (int)seeds->searches, "log_volume", log_volume, "variables", variables);
+}
+
 // Writes a value as part of a greater one, its lines moved to the right.
 static void json_put(FILE *out, json_t *value, const char *indent)
 {
@@ -369,6 +402,16 @@ static void json_begin(FILE *out, const struct run_data *data)
     fputs(",\n  \"searches\": [", out);
 }
 
+static void json_end(FILE *out, json_t *seeds)
+{
+    fputs("\n  ]", out);
+    if (seeds != NULL) {
+        fputs(",\n  \"seeds\": ", out);
+        json_put(out, seeds, "  ");
+    }
+    fputs("\n}\n", out);
+}
+
 // ---- All of them ----
 
 // In the order in which they are put in their places: where result.json is, the others are.
@@ -390,7 +433,9 @@ static const char *const export_names[EXPORT_COUNT] = {
 struct exports {
     const struct run_data *data;
     struct whole_file files[EXPORT_COUNT];
-    char **variables; // of the first search
+    char **variables;   // of the first search
+    struct seeds seeds; // of a run that differs in its seeds alone
+    json_t *json_seeds; // NULL before the best search
 };
 
 static void put_search(struct exports *exports, uint32_t index,
@@ -399,7 +444,9 @@ static void put_search(struct exports *exports, uint32_t index,
     FILE *json = exports->files[EXPORT_JSON].file, *summary = exports->files[EXPORT_SUMMARY].file;
     fputs(index == 0 ? "\n    " : ",\n    ", json);
     json_put(json, json_search(exports->data, search), "    ");
-    corridor_rows(exports->files[EXPORT_CORRIDORS].file, index, search);
+    corridor_rows(exports->files[EXPORT_CORRIDORS].file, index, search, &exports->seeds);
+    if (exports->seeds.spread.count > 0 && index == exports->seeds.best)
+        exports->json_seeds = json_seeds(&exports->seeds, search);
     history_rows(exports->files[EXPORT_HISTORY].file, index, search);
     if (exports->files[EXPORT_WORST].file != NULL)
         worst_write(search, exports->files[EXPORT_WORST].file);
@@ -429,7 +476,9 @@ static enum status exports_begin(struct exports *exports, struct error *error)
         return status;
     json_begin(exports->files[EXPORT_JSON].file, exports->data);
     fputs("search,spring,direction,deformation_m,lower_N,upper_N,design_lower_N,design_upper_N,"
-          "reached\n",
+          "reached",
+          exports->files[EXPORT_CORRIDORS].file);
+    fputs(exports->seeds.spread.count > 0 ? ",lower_spread_N,upper_spread_N\n" : "\n",
           exports->files[EXPORT_CORRIDORS].file);
     fputs("search,phase,step,samples,good,growth,log_volume\n",
           exports->files[EXPORT_HISTORY].file);
@@ -443,7 +492,10 @@ enum status report_write(const char *directory, struct error *error)
     if (status != STATUS_OK)
         return status;
     struct exports exports = {.data = &data};
-    status = exports_begin(&exports, error);
+    if (seeds_alone(&data))
+        status = seeds_read(&data, &exports.seeds, error);
+    if (status == STATUS_OK)
+        status = exports_begin(&exports, error);
     for (uint32_t i = 0; i < data.run.search_count && status == STATUS_OK; i++) {
         struct run_data_search search;
         status = run_data_load(&data, i, &search, error);
@@ -454,10 +506,12 @@ enum status report_write(const char *directory, struct error *error)
         run_data_release(&search);
     }
     if (status == STATUS_OK)
-        fputs("\n  ]\n}\n", exports.files[EXPORT_JSON].file);
+        json_end(exports.files[EXPORT_JSON].file, g_steal_pointer(&exports.json_seeds));
     for (int i = 0; i < EXPORT_COUNT; i++)
         status = whole_file_end(&exports.files[i], status, error);
     g_strfreev(exports.variables);
+    json_decref(exports.json_seeds);
+    seeds_fini(&exports.seeds);
     run_data_fini(&data);
     return status;
 }

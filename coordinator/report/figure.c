@@ -172,6 +172,31 @@ static void put_corridor(GString *script, const char *name, const struct figure 
         put_block(script, beyond, figure, panel, search, search->box, behind);
 }
 
+// "$spread_1_x << END": deformation, a bound and its spread; both bounds, where they have one.
+static void put_spread(GString *script, const struct figure *figure, const struct panel *panel)
+{
+    const struct run_data_search *search = figure->search;
+    const uint32_t index = spring_find(search, panel->spring_name);
+    const struct scenario_spring *spring = &search->scenario.springs[index];
+    // gnuplot takes no block without a row.
+    g_string_append_printf(script, "$spread_%" PRIu32 "_%s << END\n", panel->row + 1,
+                           scenario_direction_name(panel->direction));
+    for (uint32_t k = 0; k < 2 * spring->point_count; k++) {
+        const uint32_t v = run_data_variable(search, index, panel->direction, k / 2);
+        const double bound = k % 2 == 0 ? search->box->lower[v] : search->box->upper[v];
+        const double spread = k % 2 == 0 ? figure->spread->lower[v] : figure->spread->upper[v];
+        char deformation[NUMBER_SIZE], value[NUMBER_SIZE], height[NUMBER_SIZE];
+        if (!(spread > 0))
+            continue;
+        decimal_text(deformation_value(figure, panel, spring->deformation[k / 2]), deformation);
+        decimal_text(force_value(figure, panel, bound), value);
+        decimal_text(force_value(figure, panel, bound + spread) - force_value(figure, panel, bound),
+                     height);
+        g_string_append_printf(script, "%s %s %s\n", deformation, value, height);
+    }
+    g_string_append(script, "NaN NaN NaN\nEND\n");
+}
+
 static void put_data(GString *script, const struct figure *figure, const struct panel *panel)
 {
     const struct run_data_search *search = figure->search;
@@ -179,6 +204,8 @@ static void put_data(GString *script, const struct figure *figure, const struct 
               points_all(search, panel->spring_name));
     if (search->box != NULL)
         put_corridor(script, "corridor", figure, panel, search);
+    if (search->box != NULL && figure->spread != NULL)
+        put_spread(script, figure, panel);
     if (panel_compared(figure, panel))
         put_corridor(script, "compared", figure, panel, figure->other);
 }
@@ -311,6 +338,9 @@ static void put_panel(GString *script, const struct figure *figure, const struct
     put_curve(script, "design", panel, "1:3", "lines lc rgb outline");
     if (figure->search->box != NULL)
         put_bounds(script, &own_ink, panel, figure->search);
+    if (figure->search->box != NULL && figure->spread != NULL)
+        put_curve(script, "spread", panel, "1:($2-$3):(0):(2*$3)",
+                  "vectors heads size screen 0.004,90 lc rgb first lw 1.5");
     if (panel_compared(figure, panel))
         put_bounds(script, &other_ink, panel, figure->other);
     g_string_append(script, "\n");

@@ -17,6 +17,7 @@ struct figure {
     const struct run_data_search *other;  // drawn over it, or NULL; borrowed
     const char *search_label;             // what tells the two apart in the legend
     const char *other_label;
+    const struct box *spread; // of the search's bounds over several seeds, or NULL; borrowed
     bool normalise;   // (value - least) / (greatest - least), thesis eq. 5.2, in place of units
     const char *stem; // of the file that the script writes when run by hand
 };

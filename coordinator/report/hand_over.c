@@ -6,6 +6,7 @@
 #include "coordinator/report/leaving.h"
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
+#include "coordinator/report/seeds.h"
 #include "coordinator/report/units.h"
 
 #include <errno.h>
@@ -21,6 +22,8 @@ static enum status load(struct run_data *data, struct run_data_search *search,
 {
     *search = (struct run_data_search){0};
     enum status status = run_data_open(data, directory, error);
+    if (status == STATUS_OK && index == REPORT_SEARCH_SHOWN)
+        status = seeds_shown(data, &index, error);
     if (status == STATUS_OK && index >= data->run.search_count)
         status = error_set(error, STATUS_INVALID,
                            "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,

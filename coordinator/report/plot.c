@@ -4,6 +4,7 @@
 #include "coordinator/report/bars.h"
 #include "coordinator/report/figure.h"
 #include "coordinator/report/run_data.h"
+#include "coordinator/report/seeds.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -15,6 +16,8 @@ static enum status load_search(struct run_data *data, const char *directory, uin
                                struct run_data_search *search, struct error *error)
 {
     enum status status = run_data_open(data, directory, error);
+    if (status == STATUS_OK && index == REPORT_SEARCH_SHOWN)
+        status = seeds_shown(data, &index, error);
     if (status == STATUS_OK && index >= data->run.search_count)
         status = error_set(error, STATUS_INVALID,
                            "%s: there is no search %" PRIu32 ", expected 0 to %" PRIu32, directory,
@@ -96,7 +99,7 @@ char *plot_output(const char *directory, const char *name, const struct report_p
 static char *corridors_output(const char *directory, const struct report_plot *plot)
 {
     char name[32] = "corridors";
-    if (plot->search > 0)
+    if (plot->search > 0 && plot->search != REPORT_SEARCH_SHOWN)
         g_snprintf(name, sizeof name, "corridors-%" PRIu32, plot->search);
     return plot_output(directory, name, plot);
 }
@@ -121,25 +124,35 @@ enum status report_draw(const char *directory, const struct report_plot *plot, s
     struct run_data data = {0}, other_data = {0};
     struct run_data_search search = {0}, compared = {0};
     const struct run_data_search *other = plot->compare != NULL ? &compared : NULL;
+    struct seeds seeds = {0};
     enum status status = load_search(&data, directory, plot->search, &search, error);
+    if (status == STATUS_OK && plot->search == REPORT_SEARCH_SHOWN && seeds_alone(&data))
+        status = seeds_read(&data, &seeds, error);
     if (status == STATUS_OK && other != NULL)
         status = load_search(&other_data, plot->compare, 0, &compared, error);
     if (status == STATUS_OK && other != NULL)
         status = check_comparable(&search, other, plot, error);
     if (status == STATUS_OK) {
-        char *label = legend_label(&search, other, directory);
+        char *label = seeds.searches > 1 && other == NULL
+                          ? g_strdup_printf("best of %" PRIu32 " seeds, bars: spread of each bound",
+                                            seeds.searches)
+                          : legend_label(&search, other, directory);
         char *other_label = other != NULL ? legend_label(other, &search, plot->compare) : NULL;
         char *output = corridors_output(directory, plot);
+        if (seeds.searches > 1)
+            search.name = search.scenario.name; // not that of its seed
         struct figure figure = {.search = &search,
                                 .other = other,
                                 .search_label = label,
                                 .other_label = other_label,
+                                .spread = seeds.searches > 1 ? &seeds.spread : NULL,
                                 .normalise = plot->normalise};
         status = draw_figure(&figure, output, plot->format, error);
         g_free(output);
         g_free(other_label);
         g_free(label);
     }
+    seeds_fini(&seeds);
     run_data_release(&compared);
     run_data_release(&search);
     run_data_fini(&other_data);

@@ -11,9 +11,13 @@
 #include <stdint.h>
 #include <stdio.h>
 
+// In place of a search's index: the best one of a run that searches with several seeds, else the
+// first.
+#define REPORT_SEARCH_SHOWN UINT32_MAX
+
 struct report_plot {
     enum picture_format format;
-    uint32_t search;     // index of the search to draw; 0 unless the run is a sweep
+    uint32_t search;     // index of the search to draw, or REPORT_SEARCH_SHOWN
     const char *compare; // second run folder, its first search drawn over this one, or NULL
     bool normalise; // axes divided by their greatest value (thesis eq. 5.2): nothing secret shown
     // File to write; NULL: corridors.FORMAT in the run folder. What is compared or normalised is
@@ -31,12 +35,19 @@ struct report_plot {
 // spring, direction nor deformation_m.
 //
 // Which points of a spring's corridor designs reach (reach.h) is the last column of corridors.csv,
-// yes, no or empty, and in result.json `reached` of a variable and `reach` of a search: null
-// without springs or corridors, else `designs`, `kinds` with the number of each, and `springs` with
-// `deformation_max_m`, `points` and `points_reached`.
+// yes, no or empty (of several seeds the spreads follow), and in result.json `reached` of a
+// variable and `reach` of a search: null without springs or corridors, else `designs`, `kinds` with
+// the number of each, and `springs` with `deformation_max_m`, `points` and `points_reached`.
 //
 // Of a search with search.round `round` says what the bounds were rounded to, `step`, and which
 // variables were left as they are, `left`.
+//
+// Of a run of one scenario with several seeds corridors.csv has the best box alone, with the spread
+// of each bound in the columns lower_spread_N and upper_spread_N, and result.json has `seeds`: the
+// index of the best search, how many `searches` found corridors, their `log_volume` (`best`,
+// `mean`, `least` and `spread`), and `variables` with `lower` and `upper`, each with its `value`
+// and `spread`, the standard deviation over the searches; null where one search alone tells
+// nothing.
 //
 // Besides what the design names, result.json has `non_finite`, the samples whose outcome was not
 // finite, and `blocking_constraint` where no good design was found. What is not known is null, and
@@ -85,7 +96,7 @@ enum status report_document(const char *directory, const struct report_document 
 
 // The corridors as curves for other programs.
 struct report_export {
-    uint32_t search;    // index in the run
+    uint32_t search;    // index in the run, or REPORT_SEARCH_SHOWN
     const char *format; // "ls-dyna", "openradioss", "csv" or "json"
     const char *units;  // of units.h, for instance "kN-mm-ms"
     const char *folder; // made where it is absent
@@ -100,7 +111,7 @@ enum status report_export(const char *directory, const struct report_export *exp
 
 // A component's measured curve to be held against its corridor.
 struct report_check {
-    uint32_t search;
+    uint32_t search;   // index in the run, or REPORT_SEARCH_SHOWN
     const char *path;  // CSV: spring,direction,deformation,force; a curve's rows stand together
     const char *units; // that it is measured in
 };

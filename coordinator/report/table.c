@@ -4,6 +4,7 @@
 #include "coordinator/report/number.h"
 #include "coordinator/report/report.h"
 #include "coordinator/report/run_data.h"
+#include "coordinator/report/seeds.h"
 #include "coordinator/report/warnings.h"
 #include "coordinator/report/worst.h"
 
@@ -110,6 +111,47 @@ static void print_spring(const struct run_data_search *search, uint32_t index, b
         for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
             print_interval(search, run_data_variable(search, index, (enum scenario_direction)d, k),
                            &measures.force[d], out);
+        fputc('\n', out);
+    }
+}
+
+// A bound and its spread over several seeds, with as many digits as the spread leaves it.
+static void print_bound(const struct measure *measure, double bound, double spread, FILE *out)
+{
+    const double own = spread / measure->span;
+    const int decimals = seeds_decimals(own, measure->decimals);
+    const int shown = decimals < 0 ? 0 : decimals;
+    const double unit = pow(10, -decimals);
+    fprintf(out, " %9.*f", shown, round(measured(measure, bound) / unit) * unit);
+    if (spread > 0)
+        fprintf(out, " %6.*f", shown, fmax(round(own / unit), 1) * unit);
+    else
+        fprintf(out, " %6s", "-");
+}
+
+// A spring of a box that was searched with several seeds: the spread in place of the share.
+static void print_spread(const struct run_data_search *search, uint32_t index,
+                         const struct box *spread, bool normalise, FILE *out)
+{
+    const struct scenario_spring *spring = &search->scenario.springs[index];
+    const struct measures measures = measures_of(&search->scenario, spring, normalise);
+    const char *force_unit = measures.force[0].unit;
+    const uint32_t reached = reach_points(&search->reach, &search->scenario, index);
+    fprintf(out, "\n%s\n%12s", spring->name, "deformation");
+    for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++)
+        fprintf(out, " %9s %6s %9s %6s", d == 0 ? "F_x lower" : "F_y lower", "+-", "upper", "+-");
+    fprintf(out, "\n%12s", measures.deformation.unit);
+    for (int side = 0; side < 2 * SCENARIO_DIRECTION_COUNT; side++)
+        fprintf(out, " %9s %6s", force_unit, force_unit);
+    fputc('\n', out);
+    for (uint32_t k = 0; k < spring->point_count; k++) {
+        fprintf(out, "%c%11.3f", k < reached ? ' ' : '*',
+                measured(&measures.deformation, spring->deformation[k]));
+        for (int d = 0; d < SCENARIO_DIRECTION_COUNT; d++) {
+            const uint32_t v = run_data_variable(search, index, (enum scenario_direction)d, k);
+            print_bound(&measures.force[d], search->box->lower[v], spread->lower[v], out);
+            print_bound(&measures.force[d], search->box->upper[v], spread->upper[v], out);
+        }
         fputc('\n', out);
     }
 }
@@ -313,14 +355,18 @@ static void print_title(const struct run_data_search *search, const char *name, 
     fputc('\n', out);
 }
 
+// `spread` of the bounds over several seeds, or NULL.
 static void print_search(const struct run_data_search *search, const struct report_table *table,
-                         FILE *out)
+                         const struct box *spread, FILE *out)
 {
     const bool normalise = table->normalise;
     char *name = plain_text(search->name), *status = plain_text(status_meaning(search->status));
     print_title(search, name, out);
     for (uint32_t i = 0; search->box != NULL && i < search->scenario.spring_count; i++)
-        print_spring(search, i, normalise, out);
+        if (spread != NULL)
+            print_spread(search, i, spread, normalise, out);
+        else
+            print_spring(search, i, normalise, out);
     print_reach(search, out);
     if (search->box != NULL && search->scenario.spring_count == 0)
         print_variables(search, normalise, out);
@@ -409,6 +455,33 @@ static enum status print_lines(const struct run_data *data, FILE *out, struct er
     return status;
 }
 
+// Of a run that differs in its seeds alone the best box is the result.
+static enum status print_seeds(const struct run_data *data, const struct report_table *table,
+                               FILE *out, struct error *error)
+{
+    struct seeds seeds;
+    struct run_data_search best = {0};
+    enum status status = seeds_read(data, &seeds, error);
+    if (status == STATUS_OK && seeds.searches > 0)
+        status = run_data_load(data, seeds.best, &best, error);
+    if (status == STATUS_OK && seeds.searches > 0) {
+        fprintf(out, "\nbest of %" PRIu32 " seeds: ", seeds.searches);
+        run_data_find_reach(&best);
+        print_search(&best, table, seeds.searches > 1 ? &seeds.spread : NULL, out);
+        fprintf(out, "seeds        log-volume %.3f to %.3f, mean %.3f, spread %.3f\n",
+                seeds.log_volume_least, seeds.log_volume, seeds.log_volume_mean,
+                seeds.log_volume_spread);
+        if (seeds.searches > 1)
+            fputs(
+                "             +- is the spread of a bound, its standard deviation over the seeds;\n"
+                "             digits that it leaves no meaning are not shown\n",
+                out);
+    }
+    run_data_release(&best);
+    seeds_fini(&seeds);
+    return status;
+}
+
 // ---- all of it ----
 
 static void print_files(const char *directory, FILE *out)
@@ -450,12 +523,14 @@ enum status report_print(const char *directory, const struct report_table *table
         return status;
     if (run_data_is_sweep(&data)) {
         status = print_lines(&data, out, error);
+        if (status == STATUS_OK && seeds_alone(&data))
+            status = print_seeds(&data, table, out, error);
     } else {
         struct run_data_search search;
         status = run_data_load(&data, 0, &search, error);
         if (status == STATUS_OK) {
             run_data_find_reach(&search);
-            print_search(&search, table, out);
+            print_search(&search, table, NULL, out);
         }
         run_data_release(&search);
     }

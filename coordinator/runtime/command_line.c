@@ -28,6 +28,7 @@ static const char program_description[] =
     "  sobox-coordinator sedan-two-springs.yaml --set response=rotating --out rotating\n"
     "  sobox-coordinator sedan-two-springs.yaml --workers 3\n"
     "  sobox-coordinator sedan-two-springs.yaml --url 'udpm://239.255.76.67:7667?ttl=1'\n"
+    "  sobox-coordinator sedan-two-springs.yaml --seeds 10\n"
     "  sobox-coordinator --resume runs/sedan-two-springs\n"
     "  sobox-coordinator masses.yaml --dry-run\n"
     "  sobox-coordinator masses.yaml --only 'mass=1500,*'\n"
@@ -67,6 +68,9 @@ static enum status check_ranges(const struct command_line *options, struct error
     if (options->workers < 0 || options->workers > WORKERS_MAX)
         return error_set(error, STATUS_INVALID, "--workers %d: expected 0 to %d", options->workers,
                          WORKERS_MAX);
+    if (options->seeds < 0 || options->seeds == 1 || options->seeds > SWEEP_CASE_MAX)
+        return error_set(error, STATUS_INVALID, "--seeds %d: expected 2 to %d", options->seeds,
+                         SWEEP_CASE_MAX);
     if (options->threads < 0 || options->threads > THREADS_MAX)
         return error_set(error, STATUS_INVALID, "--threads %d: expected 0 (all processors) to %d",
                          options->threads, THREADS_MAX);
@@ -118,6 +122,25 @@ static const char *sweep_option(const struct command_line *options)
            : options->keep_going      ? "--keep-going"
            : options->dry_run         ? "--dry-run"
                                       : NULL;
+}
+
+// Several seeds make a sweep of a scenario.
+static enum status check_seeds(const struct command_line *options, struct error *error)
+{
+    const char *other = options->resume != NULL     ? "--resume"
+                        : options->evaluate != NULL ? "--evaluate"
+                        : options->certify != NULL  ? "--certify"
+                                                    : NULL;
+    if (options->seeds == 0)
+        return STATUS_OK;
+    if (other != NULL)
+        return error_set(error, STATUS_INVALID, "--seeds begins searches: it goes without %s",
+                         other);
+    if (options->scenario != NULL && sweep_detect(options->scenario))
+        return error_set(error, STATUS_INVALID,
+                         "--seeds goes with a scenario, and %s is a sweep: see `replicates`",
+                         options->scenario);
+    return STATUS_OK;
 }
 
 static enum status check_certify(const struct command_line *options, struct error *error)
@@ -176,7 +199,7 @@ static enum status check_together(const struct command_line *options, struct err
         return error_set(error, STATUS_INVALID,
                          "%s:1:1: expected a file, found a pipe, which can be read only once",
                          options->scenario);
-    if (sweep_option(options) != NULL && !sweep_detect(options->scenario)) {
+    if (sweep_option(options) != NULL && options->seeds == 0 && !sweep_detect(options->scenario)) {
         // A file that is no YAML at all is better told by its own error.
         struct scenario scenario;
         enum status status = scenario_read_file(&scenario, options->scenario, NULL, 0, error);
@@ -205,6 +228,9 @@ enum status command_line_parse(struct command_line *options, int argc, char **ar
          "KEY.PATH=VALUE"},
         {"seed", 0, 0, G_OPTION_ARG_STRING, &options->seed,
          "Seed of the random numbers: short for --set search.seed=SEED", "SEED"},
+        {"seeds", 0, 0, G_OPTION_ARG_INT, &options->seeds,
+         "Search with N seeds: the best box is the result, with the spread of each of its bounds",
+         "N"},
         {"workers", 'w', 0, G_OPTION_ARG_INT, &options->workers,
          "Start N worker processes on this machine", "N"},
         {"url", 'u', 0, G_OPTION_ARG_STRING, &options->url,
@@ -269,6 +295,8 @@ enum status command_line_parse(struct command_line *options, int argc, char **ar
     status = check_ranges(options, error);
     if (status == STATUS_OK)
         status = check_choice(options, error);
+    if (status == STATUS_OK)
+        status = check_seeds(options, error);
     if (status == STATUS_OK)
         status = check_certify(options, error);
     if (status == STATUS_OK)

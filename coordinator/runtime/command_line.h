@@ -28,6 +28,7 @@ struct command_line {
     int stop_after;
     gboolean keep_going;
     gboolean dry_run;
+    int seeds; // 0: not asked for
     int workers;
     int threads;
     int mtu;

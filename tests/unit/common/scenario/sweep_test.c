@@ -411,10 +411,36 @@ static void random_damage_is_refused_or_harmless(void **state)
     g_rand_free(random);
 }
 
+// Seeds alone need no file: the scenario's own and those that follow it, under its name. A path may
+// hold what means something in YAML.
+static void seeds_make_a_sweep(void **state)
+{
+    const struct folder *folder = *state;
+    write_file(folder, "the engineer's: base.yaml", base);
+    char *path = g_build_filename(folder->path, "the engineer's: base.yaml", NULL);
+    const char *override = "vehicle.mass=1500";
+    struct sweep *sweep;
+    struct scenario scenario;
+    struct error error = {0};
+    if (sweep_of_seeds(&sweep, path, &override, 1, 3, &error) != STATUS_OK)
+        fail_msg("%s", error.text);
+    assert_string_equal(sweep_name(sweep), "plane");
+    assert_names(sweep, (const char *const[8]){"seed=7", "seed=8", "seed=9"});
+    assert_int_equal(sweep_scenario(sweep, 2, &scenario, &error), STATUS_OK);
+    assert_int_equal(scenario.search.seed, 9);
+    assert_true(scenario.vehicle.mass == 1500);
+    scenario_fini(&scenario);
+    sweep_free(sweep);
+    assert_int_equal(sweep_of_seeds(&sweep, "/nowhere.yaml", NULL, 0, 3, &error), STATUS_INVALID);
+    assert_null(sweep);
+    g_free(path);
+}
+
 int main(void)
 {
 #define RUN_TEST(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
+        RUN_TEST(seeds_make_a_sweep),
         RUN_TEST(axes_expand_to_cases_in_order),
         RUN_TEST(case_is_its_base_with_its_values_set),
         RUN_TEST(wrong_sweeps_are_refused_at_their_place),
