@@ -455,7 +455,7 @@
     show($("corridors-note"), !chosen || !chosen.state ? "No search of this run is heard yet."
       : !scenario ? "The monitor does not know the scenario of this search, so its corridors cannot be drawn over deformation and design space. It asks for it as long as the run goes on."
       : bounds.lower.length === 0 ? "This search has more variables than its messages carry: its corridors are in the run folder."
-      : "Any force-deformation curve inside the corridors keeps the car safe, as far as the search has come.");
+      : "The corridors as far as the search has come. What they promise, and what was found in them, is in the run's result.");
     if (bounds) corridorFigures.forEach((draw) => draw(bounds));
   }
 
